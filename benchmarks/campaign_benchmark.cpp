@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast campaigns are flown, what a second worker brings, and how long a million flights take to
-// merge. docs/benchmarks.md says what is timed.
+// Measures the speed of campaigns, the speedup by a second worker, and the time to merge a million
+// flights. docs/benchmarks.md describes what is timed.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -39,8 +39,8 @@ namespace fs = std::filesystem;
 
 constexpr char kFile[] = QUADTUNE_SOURCE_DIR "/campaigns/mambo-hover.toml";
 
-/// Hovers of the Mambo with its sensors and its estimator, what campaigns/mambo-hover.toml varies
-/// drawn for each.
+/// Hovers of the Mambo with its sensors and its estimator; the parameters that
+/// campaigns/mambo-hover.toml varies are drawn for each.
 Campaign hovers(std::uint32_t flights, double duration) {
   CampaignCase designed;
   designed.design = "designed";
@@ -105,8 +105,8 @@ void fly_many() {
       kFlights, kDuration, rate, kGoal, verdict(rate >= kGoal), passed, equal, kSample);
 }
 
-/// Runs work in processes of their own; until all have ended.
-/// @return  greatest memory of one [bytes]
+/// Runs work in separate processes, and waits until all have ended.
+/// @return  maximum memory of one of them [bytes]
 std::uint64_t in_processes(std::size_t count, const std::function<void(std::size_t)>& work) {
   std::fflush(stdout);
   std::vector<pid_t> children;
@@ -125,19 +125,20 @@ std::uint64_t in_processes(std::size_t count, const std::function<void(std::size
     }
     children.push_back(child);
   }
-  std::uint64_t greatest = 0;
+  std::uint64_t max = 0;
   bool failed = false;
   for (const pid_t child : children) {
     int status = 0;
     rusage used{};
     failed = failed || wait4(child, &status, 0, &used) != child || status != 0;
-    greatest = std::max(greatest, static_cast<std::uint64_t>(used.ru_maxrss) * 1024);
+    max = std::max(max, static_cast<std::uint64_t>(used.ru_maxrss) * 1024);
   }
   if (failed) throw std::runtime_error("a worker failed");
-  return greatest;
+  return max;
 }
 
-/// A worker of one thread, then two at once on shards of their own, several times in turn.
+/// Times one worker with one thread, then two in parallel on separate shards, several times in
+/// turn.
 void fly_in_processes() {
   constexpr std::uint32_t kFlights = 2 * 4096;
   constexpr double kGoal = 1.9;
@@ -196,7 +197,8 @@ Campaign both_designs(std::uint32_t flights) {
   return campaign;
 }
 
-/// Shards of made-up flights: ends and absent figures of real ones, other numbers.
+/// Shards of synthetic flights: ends and missing metrics like those of real ones, other numbers
+/// random.
 void make_up(const fs::path& folder, const std::string& plan) {
   const std::vector<CampaignRecord> real = fly_draws(both_designs(512), 0, 512, 2);
   std::mt19937_64 random(1);
@@ -236,7 +238,7 @@ std::uint64_t lines_of(const fs::path& path) {
   return lines;
 }
 
-/// The stages of a merge by the library, in a process of its own.
+/// Times the stages of a merge by the library, in a separate process.
 void time_stages(const fs::path& path, const std::string& plan) {
   const Campaign campaign = both_designs(kDraws);
   std::vector<CampaignRecord> records;
@@ -312,7 +314,7 @@ void measure() {
 }  // namespace quadtune::bench
 
 int main(int argc, char** argv) {
-  // ./dev bench gives every program the options of Google Benchmark, which this one is not.
+  // ./dev bench passes the options of Google Benchmark to every program; this one does not use it.
   for (const std::string_view option : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))
     if (option.starts_with("--benchmark_filter=") && option.find("campaign") == option.npos)
       return 0;

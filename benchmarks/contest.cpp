@@ -13,8 +13,8 @@
 namespace quadtune::bench {
 namespace {
 
-/// Repetitions of one contestant [s of processor time per solve]: what others do on the machine
-/// counts least in it.
+/// Repetitions of one contestant [s of processor time per solve]; processor time is affected least
+/// by other load on the machine.
 struct Timing {
   std::vector<double> seconds;
 
@@ -28,7 +28,8 @@ struct Timing {
   }
 };
 
-/// Only collects: the interleaved order of the runs is no order to read them in.
+/// Only collects the results, since the runs are interleaved and their order is not suitable for
+/// output.
 class Collector : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context& /*context*/) override { return true; }
@@ -46,7 +47,7 @@ std::string key(const Contest& contest, const Contestant& contestant) {
   return contest.name + " / " + contestant.name;
 }
 
-/// What the table says of one contestant.
+/// The entry of one contestant in the table.
 struct Score {
   const Contestant* contestant;
   bool solved;
@@ -113,7 +114,7 @@ void print_row(const Contest& contest, const std::vector<Score>& all) {
 }
 
 void register_contest([[maybe_unused]] const Contest& contest) {
-#ifndef __clang_analyzer__  // which takes what Google Benchmark keeps in a registry for a leak
+#ifndef __clang_analyzer__  // which reports the registry of Google Benchmark as a leak
   for (const Contestant& contestant : contest.contestants)
     benchmark::RegisterBenchmark(key(contest, contestant).c_str(),
                                  [run = contestant.run](benchmark::State& state) {
@@ -122,7 +123,7 @@ void register_contest([[maybe_unused]] const Contest& contest) {
 #endif
 }
 
-// Defaults first, so that an option on the command line wins.
+// Defaults first, so that an option on the command line overrides them.
 void initialize(int argc, char** argv) {
   std::vector<std::string> words = {argv[0], "--benchmark_enable_random_interleaving=true",
                                     "--benchmark_repetitions=15", "--benchmark_min_time=0.02"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Zero-order hold: quadtune against SLICOT's MB05ND and Eigen's exponential of the augmented
-// matrix. docs/benchmarks.md says what is timed.
+// matrix. docs/benchmarks.md describes what is timed.
 #include <fmt/format.h>
 
 #include <memory>
@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// A plant, its period, and where a contestant leaves its answer.
+/// A plant, its period, and the output of a contestant.
 struct Hold {
   Problem problem;
   double dt;
@@ -50,7 +50,7 @@ Contestant public_call(const Problem& problem, double dt) {
   });
 }
 
-/// ZohWorkspace, which reuses its memory as the peer does.
+/// ZohWorkspace, which reuses its memory like the peer.
 Contestant workspace(const Problem& problem, double dt) {
   const auto zoh = std::make_shared<ZohWorkspace>(problem.A.rows(), problem.B.cols());
   return contestant("quadtune", true, problem, dt, [zoh](Hold& hold) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast it flies: the equations of motion alone, for one vehicle and for a pack of them, against
-// SciPy and Octave; then whole flights with sensors, estimator and control. docs/benchmarks.md says
-// what is timed.
+// Measures the speed of the simulation: the equations of motion alone, for one vehicle and for a
+// pack of them, against SciPy and Octave; then whole flights with sensors, estimator and control.
+// docs/benchmarks.md describes what is timed.
 #include <fmt/format.h>
 
 #include <array>
@@ -30,20 +30,20 @@ namespace quadtune::bench {
 namespace {
 
 constexpr double kStep = 0.005;      // [s]
-constexpr double kDuration = 10;     // of a flight of the equations alone [s]
+constexpr double kDuration = 10;     // duration of a flight of the equations of motion alone [s]
 constexpr double kTolerance = 1e-9;  // of the peers, relative and absolute
 
 // --- the equations of motion ---
 
-/// Free flight, tilted and turning, the rotors running up to speeds that are not all the same.
+/// Free flight, tilted and rotating; the rotors accelerate to different speeds.
 struct FreeFlight {
   RigidBody body;
   bool lagging = false;
-  Eigen::VectorXd start;   // 13 numbers, then the rotors' speeds where they lag
-  Eigen::Vector4d speeds;  // that are asked for [rad/s]
+  Eigen::VectorXd start;   // 13 numbers, then the rotor speeds if they lag
+  Eigen::Vector4d speeds;  // commanded [rad/s]
 };
 
-/// The peers' equations have no air that pushes on body or rotors.
+/// The equations of the peers do not include aerodynamic forces on body or rotors.
 Vehicle without_airflow(Vehicle vehicle) {
   vehicle.drag = {};
   for (Rotor& rotor : vehicle.rotors) rotor.drag = rotor.inflow = rotor.flapping = 0;
@@ -64,7 +64,7 @@ FreeFlight free_flight(const Vehicle& vehicle, bool lagging) {
   return flight;
 }
 
-/// The same flight in all lanes, by the classical Runge-Kutta method. N as of Plant.
+/// The same flight in all lanes, by the classical Runge-Kutta method. N as in Plant.
 template <int Lanes, int N>
 class Flown {
  public:
@@ -95,7 +95,7 @@ class Flown {
   typename Plant<T, N>::State start_, x_;
 };
 
-/// Position, attitude and velocity at the end: the greatest difference [m, 1, m/s].
+/// Largest difference of position, attitude and velocity at the end [m, 1, m/s].
 double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a - b).head<10>().cwiseAbs().maxCoeff();
 }
@@ -145,7 +145,7 @@ std::string json_of(const FreeFlight& flight, double max_step) {
       kTolerance, max_step);
 }
 
-/// What a peer's program says of the flight; nothing where it cannot be run.
+/// The result of the program of a peer; nothing if it cannot be run.
 std::optional<Line> peer(const std::string& name, const std::string& command,
                          const FreeFlight& flight, double max_step, const Eigen::VectorXd& truth) {
   const testing::TemporaryDirectory directory;
@@ -219,7 +219,7 @@ void race(const char* vehicle, double goal_single) {
         print(*line, single.seconds);
         any = true;
       }
-  if (feels_wind(whole)) {
+  if (has_aerodynamics(whole)) {
     const FreeFlight airy = free_flight(whole, N != 0);
     const Eigen::VectorXd end = finely<N>(airy);
     print(ours<1, N>("quadtune, one vehicle in moving air", airy, end, 0), single.seconds);
@@ -241,8 +241,8 @@ FlightSetup mambo_hover() {
   return setup;
 }
 
-/// The same with every sensor there is, in turbulent wind, by the filter of 15 states. The law gets
-/// the true state's sensors only through it.
+/// The same with every type of sensor, in turbulent wind, with the filter of 15 states. The law
+/// receives only the estimates of that filter.
 FlightSetup everything() {
   FlightSetup setup = mambo_hover();
   setup.vehicle.sensors = typical_sensors();
@@ -254,7 +254,7 @@ FlightSetup everything() {
   return setup;
 }
 
-/// By the filter that takes every suite of sensors.
+/// With the general filter, which supports every set of sensors.
 FlightSetup general_hover() {
   FlightSetup setup = mambo_hover();
   setup.estimator = EstimatorKind::general;
@@ -281,8 +281,8 @@ bool same_bytes(const std::vector<FlightResult>& a, const std::vector<FlightResu
   return same;
 }
 
-/// @param goal       times real time, alone; 0: none, and none for the pack
-/// @param goal_pack  times real time, of a pack; 0: four times that of a flight alone
+/// @param goal       times real time, for one flight; 0: none, and none for the pack
+/// @param goal_pack  times real time, for a pack; 0: four times that of one flight
 void fly_whole(const std::string& name, const FlightSetup& setup, double goal,
                double goal_pack = 0) {
   FlightResult result;
@@ -297,9 +297,8 @@ void fly_whole(const std::string& name, const FlightSetup& setup, double goal,
   for (std::size_t i = 0; i < setups.size(); ++i) alone[i] = fly(setups[i]);
   for (const FlightResult& one : alone) flown += one.end_time;
   const double packed_rate = flown / pack.median;
-  const auto verdict = [](double value, double least) {
-    return least > 0 ? fmt::format(" (goal {}: {})", least, value >= least ? "met" : "not met")
-                     : "";
+  const auto verdict = [](double value, double min) {
+    return min > 0 ? fmt::format(" (goal {}: {})", min, value >= min ? "met" : "not met") : "";
   };
   const double times = packed_rate / real_time;
   fmt::print("| {} | {} | {:.2f} | {:.0f}{} | {:.2f} | {:.0f}{} | {:.1f} times{} | {} |\n", name,
@@ -346,7 +345,7 @@ void fly_everything() {
 }  // namespace quadtune::bench
 
 int main(int argc, char** argv) {
-  // ./dev bench gives every program the options of Google Benchmark, which this one is not.
+  // ./dev bench passes the options of Google Benchmark to every program; this one does not use it.
   for (const std::string_view option : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))
     if (option.starts_with("--benchmark_filter=") && option.find("flight") == option.npos) return 0;
   try {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How many flights pass with quadtune's default designs, and with what a user would do otherwise:
-/// an LQR of the 12 textbook states, and PX4's default gains in PX4's structure. The vehicles,
-/// their sensors, the estimator, the missions and the seeds are the same. Prints a table in
-/// Markdown; the figures of docs/benchmarks.md come from here.
+/// Number of flights that pass with the default designs of quadtune, and with common alternatives:
+/// an LQR of the 12 textbook states, and the default gains of PX4 in the structure of PX4. The
+/// vehicles, their sensors, the estimator, the missions and the seeds are the same. Prints a table
+/// in Markdown, the source of the numbers in docs/benchmarks.md.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -29,9 +29,9 @@ const std::vector<std::string> kMissions = {
     "step-height", "step-yaw",          "waypoints",  "line",
     "circle",      "lemniscate",        "keys"};
 
-/// What `control.lqr(A, B, Q, R)` gives: the continuous gain of 12 states, weights by Bryson's
+/// The result of `control.lqr(A, B, Q, R)`: the continuous gain of 12 states, weights by Bryson's
 /// rule.
-/// @param bounded  with the bounds of the errors that quadtune gives a state feedback
+/// @param bounded  with the bounds of the errors that quadtune adds to a state feedback
 ChosenLaw textbook_lqr(const Vehicle& vehicle, bool bounded) {
   Gains gains = standard_gains(vehicle, "benchmark");
   if (bounded) keep_near_hover(vehicle, gains);
@@ -46,10 +46,10 @@ ChosenLaw textbook_lqr(const Vehicle& vehicle, bool bounded) {
 ChosenLaw px4_defaults(const Vehicle& vehicle) {
   double roll = 0, pitch = 0, yaw = 0;
   for (const Rotor& rotor : vehicle.rotors) {
-    const double thrust = rotor_thrust(rotor, greatest_speed(vehicle));
+    const double thrust = rotor_thrust(rotor, max_speed(vehicle));
     roll += std::numbers::sqrt2 / 2 * thrust * std::abs(rotor.position.y());
     pitch += std::numbers::sqrt2 / 2 * thrust * std::abs(rotor.position.x());
-    yaw += rotor_torque(rotor, greatest_speed(vehicle));
+    yaw += rotor_torque(rotor, max_speed(vehicle));
   }
   const double g = vehicle.gravity, m = vehicle.mass;
   const auto loop = [](CascadeAxis axis, double Kp, double Ki, double Kd) {
@@ -86,7 +86,7 @@ ChosenLaw ours(const Vehicle& vehicle, const char* controller) {
 /// A matrix on 12 states and their integrals, optimized on the flown plants.
 ChosenLaw matrix(const Vehicle& vehicle) {
   LqiDesign design;
-  design.matrix = MatrixWords{};
+  design.matrix = MatrixConvention{};
   return {feedback_controller(matrix_report(vehicle, design).gains, kUsualPeriod), "a matrix"};
 }
 
@@ -104,7 +104,7 @@ int passed(const Vehicle& vehicle, const ChosenLaw& law) {
   return count;
 }
 
-/// One thing about the vehicle that flies is not as the law believes.
+/// Changes one parameter of the flown vehicle, so that it differs from the model of the law.
 const std::vector<std::function<void(Vehicle&)>>& variations() {
   static const auto scale_lag = [](Vehicle& vehicle, double factor) {
     for (Rotor& rotor : vehicle.rotors) {

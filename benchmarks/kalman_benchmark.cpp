@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast covariances come out of logs: one likelihood, the whole fit and the gradient, against
-// statsmodels and R; with --coverage, how often the intervals hold. docs/benchmarks.md says what is
-// timed.
+// Measures the speed of covariance estimation from logs: one likelihood, the whole fit and the
+// gradient, against statsmodels and R; with --coverage, how often the intervals contain the true
+// value. docs/benchmarks.md describes what is timed.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -30,7 +30,7 @@ using Eigen::VectorXd;
 
 constexpr int kSamples = 20000;
 
-/// A bound of a time, and what the peers' times must be over ours; 0: none.
+/// Maximum time, and minimum ratios of the times of the peers to ours; 0: none.
 struct Goal {
   double ns_per_sample = 0;
   double times_statsmodels = 0;
@@ -51,20 +51,19 @@ void print_row(const std::string& name, double seconds, double samples, double d
 
 Wall evaluation_time(const InnovationLikelihood& likelihood, LikelihoodOrder order, int times) {
   const VectorXd theta = start_of(likelihood.model());
-  // A processor that was idle, while a peer was waited for, is slow for its first fifth of a
-  // second.
+  // A processor that was idle while waiting for a peer is slow for about a fifth of a second.
   const auto warm = std::chrono::steady_clock::now() + std::chrono::milliseconds(400);
   while (std::chrono::steady_clock::now() < warm) (void)likelihood.evaluate(theta, order);
   Wall time = processor_time_of([&] {
     for (int i = 0; i < times; ++i) (void)likelihood.evaluate(theta, order);
   });
   time.median /= times;
-  time.least /= times;
+  time.min /= times;
   return time;
 }
 
-/// One likelihood, beside the peers'. The difference of ours is to the filter that never holds a
-/// gain, those of theirs are to ours.
+/// One likelihood, compared with the peers. Our relative difference is to the filter that never
+/// holds a gain; those of the peers are to ours.
 void race_likelihood(const std::string& title, const KalmanProblem& problem, bool hold,
                      const Goal& goal, bool with_r) {
   InnovationLikelihood likelihood(problem.model, {problem.record});
@@ -97,7 +96,7 @@ void race_likelihood(const std::string& title, const KalmanProblem& problem, boo
   if (with_r) peer(KalmanPeer::r, goal.times_r);
 }
 
-/// The fit of two variances from ten times and a tenth of the truth.
+/// The fit of two variances, started at ten times and at a tenth of the true values.
 void race_fit(const KalmanProblem& of) {
   KalmanProblem problem = of;
   const VectorXd truth = start_of(problem.model);
@@ -150,14 +149,14 @@ void gradients() {
       "goal |\n|---|---:|---|---:|---:|---:|---|\n");
   for (const bool hold : {true, false}) {
     print_gradient("altitude", altitude_problem(kSamples), hold);
-    // Short where no gain is held: a tenth of the samples takes as long.
+    // Shorter if no gain is held: a tenth of the samples takes equally long.
     for (const int p : {2, 4, 8, 16})
       print_gradient("12 states, 6 outputs", large_problem(hold ? kSamples : 2000, p, false), hold);
   }
 }
 
-/// The extended filter of 15 states: its own run, and the likelihood of what it linearized, beside
-/// a linear filter of that size.
+/// The extended filter of 15 states: its run, and the likelihood of the linearized model, compared
+/// with a linear filter of that size.
 void race_extended() {
   constexpr int kFew = 2000;
   const KalmanProblem linear = problem_of_extended_size(kFew);
@@ -186,7 +185,7 @@ void race_extended() {
         evaluation_time(likelihood, LikelihoodOrder::information, 3).median, 20);
   print("one evaluation of the nonlinear likelihood: run and likelihood", run + value, 20);
   const InnovationLikelihood same(linear.model, {testing::linearized(linear.model, linear.record)});
-  print("the linear filter's own model, told instant by instant",
+  print("the model of the linear filter, given instant by instant",
         evaluation_time(same, LikelihoodOrder::value, 3).median, 20);
   if (peer) print("statsmodels", peer->seconds, 0);
 }
@@ -197,7 +196,7 @@ double resident_peak_in_MiB() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// A log of ten million samples, and what its likelihood needs besides.
+/// A log of ten million samples, and the memory that its likelihood requires in addition.
 void long_log() {
   const KalmanProblem piece = altitude_problem(10000);
   KalmanProblem problem{piece.model, {}};
@@ -242,7 +241,7 @@ void race() {
 }  // namespace quadtune::bench
 
 int main(int argc, char** argv) {
-  // ./dev bench gives every program the options of Google Benchmark, which this one is not.
+  // ./dev bench passes the options of Google Benchmark to every program; this one does not use it.
   bool coverage = false;
   for (const std::string_view option : std::span(argv, static_cast<std::size_t>(argc)).subspan(1)) {
     if (option.starts_with("--benchmark_filter=") && option.find("kalman") == option.npos) return 0;

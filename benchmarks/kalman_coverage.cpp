@@ -19,7 +19,7 @@ constexpr int kLogs = 500;
 
 struct Tally {
   int held = 0;
-  int seen = 0;       // fits that gave an interval
+  int seen = 0;       // number of fits with an interval
   double error = 0;   // sum of the stated standard errors
   double square = 0;  // sum of the squared errors
 };

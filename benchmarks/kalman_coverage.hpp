@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How often the intervals of a fit hold the truth.
+/// How often the confidence intervals of a fit contain the true value.
 #pragma once
 
 namespace quadtune::bench {
 
-/// 500 simulated logs of each built-in model, a table with the share of intervals of 95 % that hold
-/// the truth, a row a parameter. Takes a minute.
+/// Prints a table with the share of 95 % intervals that contain the true value, one row per
+/// parameter, from 500 simulated logs of each built-in model. Takes a minute.
 void print_coverage();
 
 }  // namespace quadtune::bench

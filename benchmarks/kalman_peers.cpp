@@ -89,7 +89,7 @@ std::optional<std::string> output_of(const std::string& command) {
 std::optional<PeerLikelihood> ask_peer(KalmanPeer peer, PeerTask task, const KalmanProblem& problem,
                                        const Eigen::VectorXd& start) {
   const bool python = peer == KalmanPeer::statsmodels;
-  // Of this call alone: tests of both peers run at once.
+  // Unique for this call, since tests of both peers run in parallel.
   const testing::TemporaryDirectory directory;
   const std::filesystem::path input = directory.path() / "problem.txt";
   write_problem(input, problem, start);

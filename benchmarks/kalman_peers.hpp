@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The same likelihoods by statsmodels and R, as programs that time themselves.
+/// The same likelihoods by statsmodels and R, run as programs that measure their own time.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,20 +14,22 @@ struct PeerLikelihood {
   std::string name;
   double seconds = 0;  ///< of one evaluation, or of the fit
   double value = 0;    ///< log-likelihood
-  // Of a fit:
+  // For a fit only:
   double evaluations = 0;
   Eigen::VectorXd variances;
 };
 
 enum class KalmanPeer { statsmodels, r };
-/// What of it: statsmodels decides when the covariance is steady, or never does; R never does.
+/// Peers and their variants: statsmodels decides itself when the covariance is steady, or never
+/// treats it as steady; R never does.
 enum class PeerTask { likelihood, every_step, fit };
 
-/// Gives a peer the problem without its inputs: what they make of the outputs is subtracted before,
-/// which costs the peer nothing and changes no likelihood. Uniform time, a start that is known.
+/// Runs a peer on the problem without its inputs: their effect is subtracted from the outputs
+/// beforehand, which costs the peer no time and does not change the likelihood. Requires uniform
+/// time and a known start.
 ///
-/// @param start  (2) of a fit: logarithms of Q's and R's only variance.
-/// @return       nothing where the peer is not installed
+/// @param start  (2) for a fit: logarithms of the only variances of Q and R.
+/// @return       nothing if the peer is not installed
 [[nodiscard]] std::optional<PeerLikelihood> ask_peer(KalmanPeer peer, PeerTask task,
                                                      const KalmanProblem& problem,
                                                      const Eigen::VectorXd& start = {});

@@ -40,8 +40,8 @@ ScaledCovariance one_entry(Index size, Index entry, int parameter) {
   return {shape, parameter};
 }
 
-/// A discrete model of so many states and outputs that each see one; its parameters are of outputs
-/// first, then of noises, each shared by as many as it takes.
+/// A discrete model with this many states and outputs that each measure one state. Its parameters
+/// belong first to outputs, then to noises; each is shared by as many of them as necessary.
 KalmanProblem drawn_problem(Index nx, const std::vector<Index>& seen, int samples, int parameters,
                             bool sparse) {
   std::mt19937_64 random(2);

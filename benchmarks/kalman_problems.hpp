@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Filter models with their logs for the benchmark of likelihoods.
+/// Filter models with logs for the benchmark of likelihoods.
 #pragma once
 
 #include "quadtune/estimation/filter_model.hpp"
@@ -8,25 +8,25 @@
 namespace quadtune::bench {
 
 struct KalmanProblem {
-  FilterModel model;  ///< its starts are the truth
+  FilterModel model;  ///< its start values are the true ones
   FilterRecord record;
 };
 
-/// The built-in altitude model at 5 ms, its start known: 2 states, 1 output, 2 parameters.
+/// The built-in altitude model at 5 ms with a known start: 2 states, 1 output, 2 parameters.
 [[nodiscard]] KalmanProblem altitude_problem(int samples);
 
-/// 12 states, 6 outputs that each see one, all entries of A and G drawn, no inputs, at 5 ms; or,
-/// where `sparse`, four chains of three integrators each.
-/// @param parameters  4 … 18 variances: of the six outputs first, then of up to 12 noises; those
-///                    that are not counted are fixed.
+/// 12 states, 6 outputs that each measure one of them, all entries of A and G random, no inputs, at
+/// 5 ms; or, if `sparse`, four chains of three integrators each.
+/// @param parameters  4 … 18 variances: first those of the six outputs, then those of up to 12
+///                    noises; the others are fixed.
 [[nodiscard]] KalmanProblem large_problem(int samples, int parameters, bool sparse);
 
-/// A linear model of the size of the uquad's extended filter: 15 states, 16 outputs, 11 variances,
-/// all entries of A and G drawn, at 5 ms.
+/// A linear model of the size of the extended filter of the uquad: 15 states, 16 outputs, 11
+/// variances, all entries of A and G random, at 5 ms.
 [[nodiscard]] KalmanProblem problem_of_extended_size(int samples);
 
-/// The built-in uquad's extended filter over a hover at 200 Hz of which every sensor says all the
-/// time what is so, but for its noise.
+/// The built-in extended filter of the uquad over a hover at 200 Hz in which every sensor measures
+/// the constant true value plus noise.
 [[nodiscard]] KalmanProblem uquad_hover(int samples);
 
 }  // namespace quadtune::bench

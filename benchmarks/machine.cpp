@@ -24,7 +24,7 @@ std::string processor() {
   return "unknown processor";
 }
 
-// The file that the running program's calls of `symbol` go to, links resolved.
+// The file that contains `symbol` as called by the running program, with links resolved.
 std::string library_of(const char* symbol) {
   void* address = dlsym(RTLD_DEFAULT, symbol);
   Dl_info info;
@@ -37,7 +37,7 @@ std::string blas() {
   using Get = const char* (*)();
   const std::string library = library_of("dgemm_");
   const auto get = reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_config"));
-  // OpenBLAS may be loaded for somebody else while the calls go elsewhere.
+  // OpenBLAS may be loaded by another library while the calls go elsewhere.
   const bool is_openblas = get && library.find("openblas") != std::string::npos;
   return is_openblas ? fmt::format("{} ({})", library, get()) : library;
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a benchmark ran on: printed above its figures, because figures without it mean nothing.
+/// The machine of a benchmark: printed above its results, which have no meaning without it.
 #pragma once
 
 #include <string>
 
 namespace quadtune::bench {
 
-/// Processor, compiler, vector instructions, Eigen, and the BLAS and LAPACK that are really loaded,
-/// one fact a line.
+/// Processor, compiler, vector instructions, Eigen, and the BLAS and LAPACK that are actually
+/// loaded, one fact per line.
 [[nodiscard]] std::string describe_machine();
 
-/// OpenBLAS, where it is the BLAS, gets one thread; the reference BLAS has no more anyway.
+/// If OpenBLAS is the BLAS, limits it to one thread; the reference BLAS has only one.
 void use_one_thread();
 
 }  // namespace quadtune::bench

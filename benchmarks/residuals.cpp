@@ -47,7 +47,7 @@ double dare_residual(const Problem& problem, const Eigen::MatrixXd& solution) {
 double hold_error(const Problem& problem, double dt, const Eigen::MatrixXd& Ad,
                   const Eigen::MatrixXd& Bd) {
   const Extended Z = extended(problem.A) * static_cast<long double>(dt);
-  // P = Σ Zᵏ/(k+1)!, good for the ‖A dt‖ of a few that sampling has
+  // P = Σ Zᵏ/(k+1)!, accurate for the small ‖A dt‖ of sampling
   Extended term = Extended::Identity(Z.rows(), Z.cols());
   Extended P = term;
   for (int k = 1; k < 60; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How wrong a result is, evaluated in extended precision so that the evaluation is not what is
-/// measured. The same for every solver.
+/// Residuals of results, evaluated in extended precision so that their rounding errors do not
+/// matter. The same for every solver.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Riccati equations: quadtune with every input check against SLICOT and a LAPACK ordered-Schur
-// solver. docs/benchmarks.md says what is timed.
+// solver. docs/benchmarks.md describes what is timed.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -22,7 +22,7 @@ using Eigen::MatrixXd;
 
 enum class Time { continuous, discrete };
 
-/// A problem with what the peers want ready made.
+/// A problem with the precomputed inputs of the peers.
 struct Shared {
   Problem problem;
   MatrixXd G;  // B R⁻¹ Bᵀ
@@ -33,8 +33,8 @@ struct Shared {
   }
 };
 
-/// RiccatiSolver, which reuses its memory as the peers do: X, K, residual and the proof that the
-/// loop is stable, all inputs checked.
+/// RiccatiSolver, which reuses its memory like the peers: X, K, residual and the proof that the
+/// loop is stable, with validation of all inputs.
 Contestant our_solver(const std::shared_ptr<const Shared>& shared) {
   RiccatiOptions options;
   options.evidence = RiccatiEvidence::essential;
@@ -53,7 +53,7 @@ Contestant our_solver(const std::shared_ptr<const Shared>& shared) {
           [shared, X] { return shared->residual(**X); }};
 }
 
-/// The functions care() and dare(), which allocate what they need.
+/// The functions care() and dare(), which allocate their memory.
 Contestant our_function(const std::string& name, RiccatiEvidence evidence,
                         const std::shared_ptr<const Shared>& shared) {
   auto result = std::make_shared<RiccatiResult>();
@@ -70,7 +70,7 @@ Contestant our_function(const std::string& name, RiccatiEvidence evidence,
           [shared, result] { return shared->residual(result->X); }};
 }
 
-/// A peer that is given G ready made.
+/// A peer with a precomputed G.
 template <class Solver, class Solve>
 Contestant peer(const std::string& name, const std::shared_ptr<const Shared>& shared,
                 std::shared_ptr<Solver> solver, Solve solve) {
@@ -115,7 +115,7 @@ Contest contest(const std::string& name, Time time, const Problem& problem, doub
   return result;
 }
 
-/// Zero-order hold at 5 ms, the weights kept: the discrete problem of a flight computer.
+/// Zero-order hold at 5 ms with the same weights: the discrete problem of a flight computer.
 Problem sampled(const Problem& problem) {
   const DiscreteLti plant = discretize_zoh(
       {.A = problem.A, .B = problem.B, .C = {}, .D = {}, .states = {}, .inputs = {}, .outputs = {}},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A gain schedule of 10,000 points: the Riccati solves alone against SLICOT, then the whole
-// schedule, trim and Jacobian included, on one thread and on two. docs/benchmarks.md says what is
-// timed.
+// schedule, trim and Jacobian included, on one thread and on two. docs/benchmarks.md describes what
+// is timed.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -24,7 +24,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Every this many points one is evaluated in extended precision.
+/// Interval between the points that are evaluated in extended precision.
 constexpr std::size_t kSample = 101;
 
 std::vector<double> evenly(double first, double last, int count) {
@@ -34,7 +34,7 @@ std::vector<double> evenly(double first, double last, int count) {
   return values;
 }
 
-/// The grid with everything that the stages need of one another.
+/// The grid with the intermediate results of the stages.
 struct Flights {
   Vehicle vehicle = load_vehicle("uquad");
   std::vector<ScheduleAxis> axes = {{ScheduleQuantity::speed, evenly(0, 5, 25)},
@@ -43,10 +43,10 @@ struct Flights {
   LqrDesign design;
   std::vector<TrimResult> trims;
   std::vector<RiccatiMatrices> equations;
-  std::vector<MatrixXd> G;  // B R⁻¹ Bᵀ, given to the peers
+  std::vector<MatrixXd> G;  // B R⁻¹ Bᵀ, passed to the peers
 };
 
-/// trim() at every point, each from the one before, as gain_schedule() does within a run.
+/// trim() at every point, each started from the one before, as in gain_schedule().
 void trim_all(Flights& flights) {
   Vehicle moved = flights.vehicle;
   moved.text.clear();
@@ -78,7 +78,7 @@ std::shared_ptr<Flights> make_flights() {
   const ContinuousLti words = Linearizer(flights->vehicle, {}).unsolved().plant;
   for (const Signal& state : words.states) flights->design.states.push_back(state.name);
   for (const Signal& input : words.inputs) flights->design.inputs.push_back(input.name);
-  // 0.1 m, 0.1 rad, 0.5 m/s, 1 rad/s against 30 rad/s.
+  // 0.1 m, 0.1 rad, 0.5 m/s, 1 rad/s relative to 30 rad/s.
   Eigen::VectorXd Q(12);
   Q << 100, 100, 100, 100, 100, 100, 4, 4, 4, 1, 1, 1;
   flights->design.Q = Q.asDiagonal();
@@ -193,7 +193,7 @@ Contest solves(const Flown& flights) {
 }
 
 void print_stage(const std::string& name, const Wall& wall, std::size_t points) {
-  fmt::print("| {} | {:.1f} | {:.1f} | {:.2f} |\n", name, wall.median * 1e3, wall.least * 1e3,
+  fmt::print("| {} | {:.1f} | {:.1f} | {:.2f} |\n", name, wall.median * 1e3, wall.min * 1e3,
              wall.median * 1e6 / static_cast<double>(points));
 }
 

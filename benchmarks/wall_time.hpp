@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Time of work that is long enough for a clock: on the wall, or of the processor.
+/// Measures the time of work that is long enough for a clock: wall time or processor time.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace quadtune::bench {
 
-/// Of some repetitions [s].
+/// Times of several repetitions [s].
 struct Wall {
   double median = 0;
-  double least = 0;
+  double min = 0;
 };
 
 /// @param now  a clock [s]
@@ -37,7 +37,7 @@ template <class Work>
   });
 }
 
-/// Of the processor, which others on the machine disturb least.
+/// Processor time, which is affected least by other load on the machine.
 template <class Work>
 [[nodiscard]] Wall processor_time_of(Work&& work, std::size_t repetitions = 15) {
   return time_of(work, repetitions, [] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune allan: the noises of a still sensor.
+/// quadtune allan: noise of a stationary sensor.
 #include "arguments/log_arguments.hpp"
 #include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
@@ -24,13 +24,13 @@ struct Options {
 SensorAllan analysed(const Options& options, AllanTaus taus, const Context& context) {
   if (options.simulate) {
     if (!options.log.empty() || !options.column.empty() || options.sensors.given() || options.phase)
-      refuse("allan", "--simulate",
-             "--simulate came with a log or its options, expected it alone, because it makes the "
-             "record up");
-    return allan_of_made_up(context.seed, options.unit, taus);
+      refuse(
+          "allan", "--simulate",
+          "--simulate cannot be combined with --log or its options, because it simulates the log");
+    return allan_of_simulated(context.seed, options.unit, taus);
   }
   if (options.log.empty())
-    refuse("allan", "--log", "--log is missing, expected the log of a still sensor");
+    refuse("allan", "--log", "--log is missing, expected the log of a stationary sensor");
   if (options.column.empty())
     refuse("allan", "--column", "--column is missing, expected the name or number of a column");
   const AllanOptions allan{options.log,
@@ -45,18 +45,18 @@ SensorAllan analysed(const Options& options, AllanTaus taus, const Context& cont
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("--log FILE", options.log,
-                  "log of a still sensor, of any format that quadtune log reads");
+                  "log of a stationary sensor, of any format that `quadtune log` reads");
   line.add_option("--column NAME|N", options.column,
-                  "its channel, by name, or by number from 1 of a text");
+                  "its channel, by name, or by number from 1 in a text");
   add_sensor_log_options(line, options.sensors);
   line.add_option("--unit U", options.unit,
-                  "of the column, e.g. rad/s, deg/s, m/s^2; the header's");
+                  "unit of the column, e.g. rad/s, deg/s, m/s^2; default: that of the header");
   line.add_flag("--phase", options.phase,
-                "the column is a phase, the rate's integral: an angle, a clock's error");
+                "the column is a phase, the integral of the rate: an angle, the error of a clock");
   line.add_option("--taus WHICH", options.taus, "octaves (default), decades or all");
   line.add_flag(
       "--simulate", options.simulate,
-      "a made-up gyroscope of 1e-4 rad/s/sqrt(Hz) and 2e-5 rad/s^2/sqrt(Hz) instead of a log");
+      "simulate a gyroscope of 1e-4 rad/s/sqrt(Hz) and 2e-5 rad/s^2/sqrt(Hz) instead of a log");
   add_plot_option(line, options.plot);
 }
 
@@ -73,7 +73,7 @@ void run_allan(const Options& options, Context& context) {
 
 Verb allan_verb() {
   return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U] [--phase]",
-          "read a still sensor's noises off its Allan deviation",
+          "estimate the noise of a stationary sensor from its Allan deviation",
           "quadtune allan --simulate --taus decades", with_options(add_options, run_allan)};
 }
 

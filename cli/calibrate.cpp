@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune calibrate imu: scale, cross-axis and bias of inertial sensors from logs.
+/// quadtune calibrate imu: estimates scale, cross-axis errors and biases of inertial sensors from
+/// logs.
 #include <optional>
 
 #include "arguments/log_arguments.hpp"
@@ -29,7 +30,7 @@ struct Options {
 constexpr const char* kVerb = "calibrate";
 constexpr const char* kNone = "none";
 
-/// Not set: the usual names; empty for "none".
+/// No value: the usual names; empty for "none".
 std::optional<std::vector<std::string>> axes(const std::string& given) {
   if (given.empty()) return std::nullopt;
   return given == kNone ? std::vector<std::string>() : word_list(given);
@@ -52,13 +53,13 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   imu.calibration.field = options.field.value_or(imu.calibration.field);
   if (options.simulate) {
     if (!options.logs.empty())
-      refuse(kVerb, "--simulate", "--simulate came with --log, expected one of them");
+      refuse(kVerb, "--simulate", "--simulate cannot be combined with --log");
     imu.made_up = context.seed;
     return calibrate_from_logs(imu);
   }
   if (options.logs.empty())
     refuse(kVerb, "--log",
-           "--log is missing, expected a log in which the sensor stands in many poses");
+           "--log is missing, expected a log in which the sensor rests in many poses");
   imu.logs = options.logs;
   imu.channels = channels_of(options);
   imu.reading = sensor_log_options(options.sensors, kVerb);
@@ -68,7 +69,7 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
 
 void run_calibrate(const Options& options, Context& context) {
   if (options.what != "imu")
-    refuse(kVerb, "WHAT", "'{}' came, expected: quadtune calibrate imu{}", options.what,
+    refuse(kVerb, "WHAT", "unknown sensor '{}'; expected: quadtune calibrate imu{}", options.what,
            internal::did_you_mean(options.what, {"imu"}));
   std::optional<ImuCalibrationFile> base;
   if (!options.base.empty()) base = read_imu_calibration(options.base);
@@ -85,29 +86,35 @@ void run_calibrate(const Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("WHAT", options.what, "imu");
   line.add_list("--log FILE", options.logs,
-                "a log of any format that quadtune log reads; several: repeat the option");
+                "log of any format that `quadtune log` reads; repeat the option for several");
   line.add_option("--accelerometer LIST", options.accelerometer,
-                  "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
-                  "another file as CHANNEL@FILE");
-  line.add_option("--gyroscope LIST", options.gyroscope, "likewise; gx,gy,gz, or none");
-  line.add_option("--magnetometer LIST", options.magnetometer, "likewise; mx,my,mz, or none");
-  line.add_option("--temperature COLUMN", options.temperature, "its column; temperature, or none");
+                  "its three channels, by name, or by number from 1 in a text; default ax,ay,az; "
+                  "of another file: CHANNEL@FILE");
+  line.add_option("--gyroscope LIST", options.gyroscope,
+                  "as --accelerometer; default gx,gy,gz; none: no gyroscope");
+  line.add_option("--magnetometer LIST", options.magnetometer,
+                  "as --accelerometer; default mx,my,mz; none: no magnetometer");
+  line.add_option("--temperature COLUMN", options.temperature,
+                  "its column; default temperature; none: no temperature");
   line.add_positive("--temperature-scale X", options.temperature_scale,
-                    "degrees Celsius a unit of that column, e.g. 0.1; 1");
+                    "degrees Celsius per unit of that column, e.g. 0.1; default 1");
   add_sensor_log_options(line, options.sensors);
-  line.add_positive("--gravity G", options.gravity, "where the log was taken [m/s^2]; 9.80665");
-  line.add_positive("--field B", options.field, "norm that the magnetometer is to have; 1");
+  line.add_positive("--gravity G", options.gravity,
+                    "gravity where the log was recorded [m/s^2]; default 9.80665");
+  line.add_positive("--field B", options.field,
+                    "norm of the field in the unit of the result; default 1");
   line.add_option("--base FILE", options.base,
-                  "imu_calib.txt whose numbers stay for a sensor that the logs do not have");
-  line.add_flag("--simulate", options.simulate, "a made-up sensor of the seed instead of a log");
-  line.add_option("-o FILE", options.file, "imu_calib.txt to write, whole or not at all");
+                  "imu_calib.txt whose numbers are kept for sensors that the logs do not contain");
+  line.add_flag("--simulate", options.simulate,
+                "a simulated sensor, by the seed, instead of a log");
+  line.add_option("-o FILE", options.file, "imu_calib.txt to write, completely or not at all");
 }
 
 }  // namespace
 
 Verb calibrate_verb() {
   return {"calibrate", "imu --log FILE... [-o imu_calib.txt]",
-          "calibrate inertial sensors from logs of many poses",
+          "calibrate inertial sensors from logs with many poses",
           "quadtune calibrate imu --simulate -o out/imu_calib.txt",
           with_options(add_options, run_calibrate)};
 }

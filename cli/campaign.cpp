@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune campaign: many flights with what is uncertain drawn for each, on one machine or many.
+/// quadtune campaign: many flights with drawn parameters, on one machine or on many.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of all campaign verbs; each has some of them.
+/// The options of all campaign commands; each command has some of them.
 struct Options {
   std::string file, folder;
   std::uint64_t shards = 0, shard = 0, flight = 0;
@@ -46,8 +46,8 @@ CampaignWatch watched(Progress& progress) {
           interrupted};
 }
 
-/// Plans, and writes the plan into the folder.
-/// @return  whether it was there already
+/// Makes a plan and writes it into the folder.
+/// @return  whether the folder already contained this plan
 bool write_plan(const std::string& file, const std::string& folder, std::uint32_t shards) {
   const MadeCampaign made =
       option_of_command("campaign", [&] { return make_campaign(file, shards); });
@@ -55,16 +55,15 @@ bool write_plan(const std::string& file, const std::string& folder, std::uint32_
   return write_campaign(made, folder, interrupted);
 }
 
-/// --shards as it is counted.
+/// Converts the value of --shards.
 std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (shards > kMost)
-    refuse(verb, "--shards", "--shards is {}, expected at most as many as there are flights",
-           shards);
+  constexpr std::uint32_t kMax = std::numeric_limits<std::uint32_t>::max();
+  if (shards > kMax)
+    refuse(verb, "--shards", "--shards is {}, expected at most the number of flights", shards);
   return static_cast<std::uint32_t>(shards);
 }
 
-/// What `fly` would say of these flights.
+/// Prints the notes that `fly` would print for these flights.
 void note_words(const CampaignPlan& plan, const Context& context) {
   for (const PlannedFlight& words : plan.words) context.notes("campaign: note: ", words.notes);
 }
@@ -156,8 +155,8 @@ void run_campaign(Options& options, Context& context) {
   if (unnamed) options.folder = fs::path(options.file).stem().string() + "-campaign";
   (void)write_plan(options.file, options.folder, shard_count(options.shards, "campaign run"));
   if (unnamed)
-    context.note(
-        fmt::format("campaign run: note: plan, flights and tables go into {}", options.folder));
+    context.note(fmt::format("campaign run: note: plan, flights and tables are written to {}",
+                             options.folder));
   const CampaignPlan plan = load_plan(options.folder);
   note_words(plan, context);
   {
@@ -188,18 +187,18 @@ void replay(const CommandLine& line, Options& options, Context& context) {
 
 // --- their options ---
 
-constexpr char kPlanned[] = "where `campaign init` wrote the plan";
+constexpr char kPlanned[] = "folder into which `campaign init` wrote the plan";
 
 void add_init_options(CommandLine& line, Options& options) {
   line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
   line.add_option("DIR", options.folder, "a new folder");
   line.add_count("--shards N", options.shards, 1,
-                 "parts that workers fly; as many as take some minutes each");
+                 "number of parts for the workers; default: so many that each takes some minutes");
 }
 
 void add_work_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.folder, kPlanned);
-  line.add_count("--shard K", options.shard, 0, "the part, from 0");
+  line.add_count("--shard K", options.shard, 0, "index of the part, from 0");
 }
 
 void add_status_options(CommandLine& line, Options& options) {
@@ -207,44 +206,44 @@ void add_status_options(CommandLine& line, Options& options) {
 }
 
 void add_merge_options(CommandLine& line, Options& options) {
-  line.add_option("DIR", options.folder, "where all shards were flown");
+  line.add_option("DIR", options.folder, "folder in which all shards have been flown");
 }
 
 void add_run_options(CommandLine& line, Options& options) {
   line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
   line.add_option("DIR", options.folder,
-                  "a new folder, or one where this was stopped; if absent the file's name with "
-                  "-campaign, here");
-  line.add_count("--shards N", options.shards, 1, "as `campaign init`");
+                  "a new folder, or that of an interrupted run; default: the file's name followed "
+                  "by -campaign, in this folder");
+  line.add_count("--shards N", options.shards, 1, "as for `campaign init`");
 }
 
 void add_replay_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.folder, kPlanned);
-  line.add_count("--flight N", options.flight, 0, "its number in flights.csv");
+  line.add_count("--flight N", options.flight, 0, "number of the flight in flights.csv");
   add_flight_outputs(line, options.outputs);
 }
 
 }  // namespace
 
 std::vector<Verb> campaign_verbs() {
-  return {
-      {"campaign init", "FILE DIR [--shards N]",
-       "plan many flights: what flies, what is uncertain, in how many parts",
-       "quadtune campaign init campaigns/mambo-hover.toml out/campaign",
-       with_options(add_init_options, init)},
-      {"campaign work", "DIR --shard K", "fly one part of a campaign; again where it was stopped",
-       "quadtune campaign work out/campaign --shard 0", with_options(add_work_options, work)},
-      {"campaign status", "DIR", "how far a campaign is, shard by shard",
-       "quadtune campaign status out/campaign", with_options(add_status_options, status)},
-      {"campaign merge", "DIR", "put a campaign's flights together: database, statistics, page",
-       "quadtune campaign merge out/campaign", with_options(add_merge_options, merge)},
-      {"campaign run", "FILE [DIR]", "plan, fly and merge a campaign on this machine",
-       "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
-       with_options(add_run_options, run_campaign)},
-      {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
-       "fly one flight of a campaign again and look at it",
-       "quadtune campaign replay out/campaign --flight 4 --report out/flight-4.html",
-       with_options(add_replay_options, replay)}};
+  return {{"campaign init", "FILE DIR [--shards N]",
+           "plan many flights: cases, uncertain parameters, number of parts",
+           "quadtune campaign init campaigns/mambo-hover.toml out/campaign",
+           with_options(add_init_options, init)},
+          {"campaign work", "DIR --shard K",
+           "fly one part of a campaign, or continue it after an interruption",
+           "quadtune campaign work out/campaign --shard 0", with_options(add_work_options, work)},
+          {"campaign status", "DIR", "show the progress of a campaign, shard by shard",
+           "quadtune campaign status out/campaign", with_options(add_status_options, status)},
+          {"campaign merge", "DIR", "merge the flights of a campaign: database, statistics, page",
+           "quadtune campaign merge out/campaign", with_options(add_merge_options, merge)},
+          {"campaign run", "FILE [DIR]", "plan, fly and merge a campaign on this machine",
+           "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
+           with_options(add_run_options, run_campaign)},
+          {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
+           "fly one flight of a campaign again, with log and report",
+           "quadtune campaign replay out/campaign --flight 4 --report out/flight-4.html",
+           with_options(add_replay_options, replay)}};
 }
 
 }  // namespace quadtune::cli

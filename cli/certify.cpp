@@ -41,7 +41,7 @@ CertifyOptions certify_options(const Options& options, const Context& context) {
   if (!options.integrator.empty())
     certify.integrator = pid_method(options.integrator, "--integrator");
   certify.flown = asks_for_flown_plant(options.plant);
-  certify.most_boxes = static_cast<int>(options.budget);
+  certify.max_boxes = static_cast<int>(options.budget);
   certify.seed = context.seed;
   certify.threads = context.threads;
   certify.stop = interrupted;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune compare: the same mission flown twice, and where the two flights part.
+/// quadtune compare: flies the same mission twice and shows where the flights differ.
 #include <algorithm>
 #include <utility>
 
@@ -20,26 +20,28 @@ struct Options {
   FlightOptions flight;
 };
 
-/// What differs, and where the user must say more than that.
+/// Validates WHAT and the arguments that it requires.
 void require_words(const Options& options) {
   const FlightOptions& flight = options.flight;
   const std::vector<std::string>& known = compared_things();
   if (options.what.empty())
     refuse("compare", "WHAT", "expected integrators, flow, filter or gains");
   if (options.what != "gains" && !options.first.empty())
-    refuse("compare", "A", "'{}' came after the vehicle, expected nothing there but with gains",
+    refuse("compare", "A",
+           "unexpected argument '{}' after the vehicle; only `compare gains` takes two more",
            options.first);
   if (std::find(known.begin(), known.end(), options.what) == known.end())
-    refuse("compare", "WHAT", "no comparison '{}', expected integrators, flow, filter or gains{}",
-           options.what, internal::did_you_mean(options.what, known));
+    refuse("compare", "WHAT",
+           "unknown comparison '{}'; expected integrators, flow, filter or gains{}", options.what,
+           internal::did_you_mean(options.what, known));
   if (options.what == "flow" && flight.flow.empty() && !flight.vehicle.empty() &&
       !load_vehicle(flight.vehicle).sensors.flow)
     refuse("compare", "V", "flow: '{}' has no optical flow sensor, expected a vehicle with one",
            flight.vehicle);
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
     refuse("compare", "A",
-           "gains: expected two, as for --gains of quadtune fly, e.g. quadtune compare gains mambo "
-           "published designed");
+           "gains: expected two sets of gains, as for --gains of quadtune fly, e.g. quadtune "
+           "compare gains mambo published designed");
 }
 
 void run_compare(Options& options, Context& context) {
@@ -70,7 +72,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb compare_verb() {
   return {"compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
-          "fly the same mission twice and show where the flights part",
+          "fly the same mission twice and show where the flights differ",
           "quadtune compare integrators mambo --mission hover",
           with_options(add_options, run_compare)};
 }

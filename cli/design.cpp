@@ -26,10 +26,11 @@ struct Options {
 };
 
 void require_sane(const Options& options) {
-  constexpr std::uint64_t kMostSeeds = 1000;
-  if (options.file.empty()) refuse("design", "FILE", "expected a design file, a vehicle file or a built-in vehicle");
-  if (options.seeds > kMostSeeds)
-    refuse("design", "--seeds", "--seeds is {}, expected at most {}", options.seeds, kMostSeeds);
+  constexpr std::uint64_t kMaxSeeds = 1000;
+  if (options.file.empty())
+    refuse("design", "FILE", "expected a design file, a vehicle file or a built-in vehicle");
+  if (options.seeds > kMaxSeeds)
+    refuse("design", "--seeds", "--seeds is {}, expected at most {}", options.seeds, kMaxSeeds);
 }
 
 DesignOutcome designed_and_flown(const Options& options, const Context& context) {
@@ -88,7 +89,8 @@ void run_design(const CommandLine& line, Options& options, Context& context) {
 }
 
 void add_options(CommandLine& line, Options& options) {
-  line.add_option("FILE", options.file, "a design file (docs/formats.md), or a vehicle for its usual cascade");
+  line.add_option("FILE", options.file,
+                  "a design file (docs/formats.md), or a vehicle for its usual cascade");
   line.add_option("-o DIR", options.directory, "directory to write; without it, only print");
   line.add_flag("--force", options.force,
                 "write although a flown loop is unstable or a mission failed, and take tuned "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune diff: two gain sets entry by entry.
+/// quadtune diff: compares two sets of gains entry by entry.
 #include <fmt/format.h>
 
 #include "program/command_line.hpp"
@@ -23,10 +23,11 @@ void add_options(CommandLine& line, Options& options) {
 
 void run_diff(Options& options, Context& context) {
   if (options.b.empty())
-    refuse("diff", options.a.empty() ? "A" : "B", "expected two gain sets, directories or files");
+    refuse("diff", options.a.empty() ? "A" : "B",
+           "expected two sets of gains, directories or files");
   const LawsDifference difference = diff_laws(options.a, options.b);
   if (!difference.left_out.empty())
-    context.note(fmt::format("diff: note: one of the two holds a {} as well, which is not compared",
+    context.note(fmt::format("diff: note: only one of the two contains a {}, which is not compared",
                              difference.left_out));
   context.print([&] { return to_json(difference.entries); },
                 [&] { return to_text(difference.entries); });
@@ -35,7 +36,7 @@ void run_diff(Options& options, Context& context) {
 }  // namespace
 
 Verb diff_verb() {
-  return {"diff", "A B", "compare two gain sets entry by entry, across conventions",
+  return {"diff", "A B", "compare two sets of gains entry by entry, across conventions",
           "quadtune diff out/uquad-hover out/uquad-hover", with_options(add_options, run_diff)};
 }
 

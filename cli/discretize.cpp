@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune discretize: one system by one method, or back.
+/// quadtune discretize: samples one system by one method, or converts it back to continuous time.
 #include <optional>
 #include <utility>
 
@@ -34,16 +34,17 @@ struct Options {
 
 void refuse_mixtures(const CommandLine& line, const Options& options) {
   if (options.is_fraction())
-    line.refuse_given({"--A", "--B", "--C", "--D", "--input-delay", "--output-delay"},
-                      "came with --num and --den, expected matrices or a transfer function");
+    line.refuse_given(
+        {"--A", "--B", "--C", "--D", "--input-delay", "--output-delay"},
+        "cannot be combined with --num and --den; expected matrices or a transfer function");
   else
-    line.refuse_given({"--delay"},
-                      "came without --num and --den, expected --input-delay or --output-delay for "
-                      "a plant of matrices");
+    line.refuse_given(
+        {"--delay"},
+        "requires --num and --den; use --input-delay or --output-delay for a plant of matrices");
   if (options.inverse)
     line.refuse_given({"--input-delay", "--output-delay"},
-                      "came with --inverse, expected none because the delays of a discrete plant "
-                      "are states of it");
+                      "cannot be combined with --inverse, because the delays of a discrete plant "
+                      "are among its states");
 }
 
 Eigen::VectorXd read_list(const std::string& text, const std::string& option) {
@@ -102,7 +103,7 @@ void run_system(const Options& options, Context& context) {
   if (options.inverse && by.method != DiscretizationMethod::zoh &&
       by.method != DiscretizationMethod::tustin)
     refuse("discretize", "--inverse",
-           "--inverse came with --method {}, expected zoh or tustin, whose way back is built",
+           "--inverse cannot be combined with --method {}; the inverse exists for zoh and tustin",
            options.method);
   const SampledPlant sampled = option_of_command("discretize", [&] {
     require_prewarp(by);
@@ -116,7 +117,7 @@ void run_system(const Options& options, Context& context) {
 void run_comparison(const Options& options, Context& context) {
   if (options.vehicle.empty())
     refuse("discretize", "--compare",
-           "--compare came without a vehicle, expected one: quadtune discretize V --compare");
+           "--compare requires a vehicle; expected: quadtune discretize V --compare");
   const bool flown = asks_for_flown_plant(options.compared_plant, "discretize");
   const MethodComparison comparison = compare_sampling_methods(options.vehicle, options.dt, flown);
   draw(
@@ -132,49 +133,48 @@ void run_discretize(const CommandLine& line, const Options& options, Context& co
   if (options.compare) {
     line.refuse_given({"--A", "--B", "--C", "--D", "--num", "--den", "--delay", "--method",
                        "--prewarp", "--input-delay", "--output-delay", "--inverse"},
-                      "came with --compare, expected a vehicle alone because all methods are tried "
-                      "on its closed loops");
+                      "cannot be combined with --compare, which applies all methods to the closed "
+                      "loops of a vehicle");
     run_comparison(options, context);
     return;
   }
-  line.refuse_given(
-      {"V"},
-      "came without --compare, expected it, or --A and --B or --num and --den for one system");
-  line.refuse_given(
-      {"--plant"},
-      "came without --compare, expected it because a system of one's own is the plant");
-  line.refuse_given({"--plot"},
-                    "came without --compare, expected it because only the comparison is drawn");
+  line.refuse_given({"V"},
+                    "requires --compare; for one system use --A and --B, or --num and --den");
+  line.refuse_given({"--plant"},
+                    "requires --compare, because otherwise the given system is the plant");
+  line.refuse_given({"--plot"}, "requires --compare, because only the comparison is drawn");
   refuse_mixtures(line, options);
   run_system(options, context);
 }
 
-/// Of one system, and how it is sampled.
+/// Adds the options of one system and of its sampling.
 void add_system_options(CommandLine& line, Options& options) {
   line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
   line.add_option("--B FILE", options.B, "inputs (nx x nu)");
-  line.add_option("--C FILE", options.C, "outputs (ny x nx); the states");
-  line.add_option("--D FILE", options.D, "feed-through (ny x nu); zero");
-  line.add_option("--num LIST", options.num, "zeros' polynomial, highest power first");
-  line.add_option("--den LIST", options.den, "poles' polynomial, likewise");
-  line.add_number("--delay T", options.delay, "of --num/--den [s]");
+  line.add_option("--C FILE", options.C, "outputs (ny x nx); default: the states");
+  line.add_option("--D FILE", options.D, "feed-through (ny x nu); default: 0");
+  line.add_option("--num LIST", options.num, "numerator, descending powers");
+  line.add_option("--den LIST", options.den, "denominator, descending powers");
+  line.add_number("--delay T", options.delay, "delay of --num/--den [s]");
   line.add_number("--dt T", options.dt, "sample period [s]");
   line.add_option("--method NAME", options.method,
                   "zoh (default), foh, impulse, euler, backward-euler, tustin or matched");
   line.add_number("--prewarp W", options.prewarp, "frequency at which tustin is exact [rad/s]");
-  line.add_option("--input-delay LIST", options.input_delay, "of each input, or of all [s]");
-  line.add_option("--output-delay LIST", options.output_delay, "of each output, or of all [s]");
+  line.add_option("--input-delay LIST", options.input_delay,
+                  "delay of each input, or one for all [s]");
+  line.add_option("--output-delay LIST", options.output_delay,
+                  "delay of each output, or one for all [s]");
   line.add_flag("--inverse", options.inverse,
-                "the system is discrete; back to continuous by zoh or tustin");
+                "convert a discrete system to continuous time, by zoh or tustin");
 }
 
 void add_options(CommandLine& line, Options& options) {
-  line.add_option("V", options.vehicle, "with --compare: a built-in vehicle or a file");
+  line.add_option("V", options.vehicle, "with --compare: a built-in vehicle or a vehicle file");
   line.add_flag("--compare", options.compare,
-                "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
+                "compare all methods at T/2, T and 2 T on the vehicle's LQR and PID loops");
   line.add_option("--plant NAME", options.compared_plant,
-                  "with --compare: flown (default) judges the laws as they run on the plant with "
-                  "the sensors and the estimator as well; ideal does not");
+                  "with --compare: flown (default) analyses the laws also on the plant with the "
+                  "sensors and the estimator; ideal does not");
   add_plot_option(line, options.plot);
   add_system_options(line, options);
 }
@@ -182,13 +182,14 @@ void add_options(CommandLine& line, Options& options) {
 }  // namespace
 
 Verb discretize_verb() {
-  return {"discretize",
-          "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
-          "[--method NAME]",
-          "sample a continuous system, or back; or compare the methods on a vehicle's loops",
-          "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
-          "tustin",
-          with_options(add_options, run_discretize)};
+  return {
+      "discretize",
+      "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
+      "[--method NAME]",
+      "sample a continuous system, or convert it back; or compare the methods on a vehicle's loops",
+      "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
+      "tustin",
+      with_options(add_options, run_discretize)};
 }
 
 }  // namespace quadtune::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune export: a gain set or a design, written for another program.
+/// quadtune export: writes gains or a design for another program.
 #include "quadtune/exports/export.hpp"
 
 #include <fmt/format.h>
@@ -43,14 +43,14 @@ void require_complete(const Options& options) {
            : options.to.empty()   ? "--to"
                                   : "-o",
            "expected a source, --to NAME and -o DIR");
-  // An export over its own source would take away what it does not carry over.
+  // An export that replaces its own source would lose what it does not contain.
   std::error_code ignored;
   if (std::filesystem::equivalent(options.source, options.directory, ignored))
     refuse("export", "-o", "-o {} is the source itself, expected another directory",
            options.directory);
 }
 
-/// What the manifest of an export says of its design; nothing of other sources.
+/// The reasons for --force in the manifest of an export; empty for other sources.
 std::vector<std::string> forced_of(const std::string& source) {
   std::error_code ignored;
   const std::filesystem::path folder = source;
@@ -58,21 +58,21 @@ std::vector<std::string> forced_of(const std::string& source) {
   return read_manifest(folder).forced;
 }
 
-/// A schedule is no whole program, and its loops are not judged.
+/// A gain schedule can only be exported as flight code, and its loops are not analysed.
 void require_schedule_options(const Options& options) {
   if (options.to != kFlightCodeTarget)
     throw InvalidInput(options.source,
-                       fmt::format("is a gain schedule, expected --to {} because no other export "
-                                   "holds one, or the gains of one law",
+                       fmt::format("is a gain schedule, expected --to {}, because no other format "
+                                   "stores one, or the gains of a single law",
                                    kFlightCodeTarget));
   const std::pair<const char*, bool> given[] = {{"--law", !options.law.empty()},
                                                 {"--adapter", !options.adapter.empty()},
                                                 {"--force", options.force}};
   for (const auto& [option, came] : given)
     if (came)
-      refuse("export", option, "{} came with a gain schedule, expected none because {}", option,
-             options.force ? "nothing stands against its export"
-                           : "the program holds the schedule alone");
+      refuse("export", option, "{} cannot be combined with a gain schedule, because {}", option,
+             options.force ? "there is no reason against its export"
+                           : "the program contains only the schedule");
 }
 
 ExportContent content_of(const Options& options, const Context& context) {
@@ -84,28 +84,27 @@ ExportContent content_of(const Options& options, const Context& context) {
     content.forced = reasons_against_export(outcome);
     if (!content.forced.empty() && !options.force)
       throw Refusal(
-          fmt::format("export: {}: {}, nothing was written; --force writes all the same",
+          fmt::format("export: {}: {}; nothing was written; use --force to export it",
                       internal::printable(options.source), internal::joined(content.forced, "; ")),
           options.source);
     return content;
   }
   const std::vector<std::string> forced = forced_of(options.source);
   if (forced.empty() && options.force)
-    refuse("export", "--force", "--force came, but nothing stands against the export of {}",
+    refuse("export", "--force",
+           "--force is not needed: there is no reason against the export of {}",
            internal::printable(options.source));
   if (!forced.empty() && !options.force)
-    throw Refusal(
-        fmt::format("export: {}: was written by --force although {}, nothing was written; "
-                    "--force writes all the same",
-                    internal::printable(options.source),
-                    internal::printable(internal::joined(forced, "; "))),
-        options.source);
+    throw Refusal(fmt::format("export: {}: was exported with --force although {}; nothing was "
+                              "written; use --force to export it",
+                              internal::printable(options.source),
+                              internal::printable(internal::joined(forced, "; "))),
+                  options.source);
   GivenLaws given = read_given_laws(options.source);
   require_sampled(given.laws, options.source);
   const std::string vehicle = options.vehicle.empty() ? given.laws.vehicle : options.vehicle;
   if (vehicle.empty())
-    refuse("export", "--vehicle",
-           "the gains do not say for which vehicle they are, expected --vehicle V");
+    refuse("export", "--vehicle", "the gains do not name their vehicle, expected --vehicle V");
   ExportContent content = export_content(std::move(given.laws), vehicle, options.source);
   content.forced = forced;
   return content;
@@ -118,7 +117,7 @@ FlightCodeOptions flight_code_options(const Options& options) {
                                                               {"--adapter", &options.adapter}};
   for (const auto& [option, value] : given)
     if (options.to != "c" && !value->empty())
-      refuse("export", option, "{} is for --to c, expected none with --to {}", option, options.to);
+      refuse("export", option, "{} applies to --to c only, not to --to {}", option, options.to);
   if (!options.name.empty()) require_flight_code_name(options.name, "--name");
   if (!options.law.empty()) require_flight_code_law(options.law, "--law");
   if (!options.adapter.empty()) require_flight_code_adapter(options.adapter, "--adapter");
@@ -131,13 +130,13 @@ void require_firmware_options(const Options& options, const ExportKind& kind) {
   const bool is_firmware = export_target(kind.name(), "--to").is_firmware;
   if (!is_firmware && options.firmware.filter_noise)
     refuse("export", "--filter-noise",
-           "--filter-noise is for the parameters of a firmware, expected none with --to {}",
+           "--filter-noise applies to the parameters of a firmware only, not to --to {}",
            options.to);
   const std::pair<const char*, const std::string*> given[] = {
       {"--firmware", &options.firmware.version}, {"--setup", &options.firmware.setup}};
   for (const auto& [option, value] : given)
     if (!is_firmware && !value->empty())
-      refuse("export", option, "{} is for the parameters of a firmware, expected none with --to {}",
+      refuse("export", option, "{} applies to the parameters of a firmware only, not to --to {}",
              option, options.to);
   if (is_firmware)
     (void)firmware(firmware_kind(kind.name(), "--to"), options.firmware, "--firmware");
@@ -150,9 +149,9 @@ void run_export(const Options& options, Context& context) {
   require_firmware_options(options, kind);
   if (!options.imu_calibration.empty() && options.to != "uquad")
     refuse("export", "--imu-calibration",
-           "--imu-calibration is for --to uquad, expected none with --to {}", options.to);
+           "--imu-calibration applies to --to uquad only, not to --to {}", options.to);
   if (options.constants && options.to != "uquad")
-    refuse("export", "--constants", "--constants is for --to uquad, expected none with --to {}",
+    refuse("export", "--constants", "--constants applies to --to uquad only, not to --to {}",
            options.to);
   if (options.of_schedule()) require_schedule_options(options);
   ExportContent content = content_of(options, context);
@@ -162,15 +161,14 @@ void run_export(const Options& options, Context& context) {
   if (!options.imu_calibration.empty())
     content.imu_calibration = read_imu_calibration(options.imu_calibration);
   context.notes("export: note: ", adapt_to_program(content, kind));
-  // Gains that do not hold the vehicle are not written.
+  // Gains whose loop is unstable are not written.
   if (const std::string problem = unstable_loop(content);
       !problem.empty() && !(options.of_design() && options.force))
-    throw Refusal(fmt::format("export: {}, nothing was written", problem), content.vehicle.name);
+    throw Refusal(fmt::format("export: {}; nothing was written", problem), content.vehicle.name);
   if (!options.of_design() && !options.of_schedule())
     context.note(
-        "export: note: gains, trim, cascade, estimator and vehicle are carried over, and no "
-        "parameters "
-        "of an autopilot; weights and Kalman filters come from a design file only");
+        "export: note: gains, trim, cascade, estimator and vehicle are exported, but no parameters "
+        "of an autopilot; weights and Kalman filters are exported from a design file only");
   std::vector<ManifestFile> files;
   {
     const WritingFiles writing;
@@ -191,32 +189,30 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--to NAME", options.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
-  line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
-  line.add_option(
-      "--name NAME", options.name,
-      "prefix of the C program's names; unless given the vehicle's name, of a schedule with "
-      "_schedule behind it");
-  line.add_option("--precision WORD", options.precision, "of the C program: float or double");
+  line.add_option("--vehicle V", options.vehicle, "the vehicle, if the gains do not name it");
+  line.add_option("--name NAME", options.name,
+                  "prefix of the names in the C program; default: the vehicle's name, for a "
+                  "schedule followed by _schedule");
+  line.add_option("--precision WORD", options.precision,
+                  "precision of the C program: float or double");
   line.add_option("--law LAW", options.law,
-                  "of the C program, where the design has two: cascaded-pid or state-feedback");
-  line.add_option(
-      "--adapter BOARD", options.adapter,
-      "with the C program, files that join it to a board: main, mambo, crazyflie or px4");
-  line.add_option(
-      "--imu-calibration FILE", options.imu_calibration,
-      "of the uquad's sensors, as `quadtune calibrate imu -o` writes it, to go with the "
-      "gains");
+                  "law of the C program, if the design has two: cascaded-pid or state-feedback");
+  line.add_option("--adapter BOARD", options.adapter,
+                  "files that connect the C program to a board: main, mambo, crazyflie or px4");
+  line.add_option("--imu-calibration FILE", options.imu_calibration,
+                  "calibration of the uquad's sensors to export with the gains, as `quadtune "
+                  "calibrate imu -o` writes it");
   line.add_flag("--constants", options.constants,
-                "of the uquad, a C header of the vehicle's constants as well");
+                "for uquad: write a C header of the vehicle's constants as well");
   line.add_flag(
       "--force", options.force,
       "write although the design's loop is unstable or its covariances are not proven; the "
       "manifest says so");
   line.add_option("--firmware VERSION", options.firmware.version,
-                  "of a firmware's parameters, e.g. 1.15 of px4; the newest release that is known");
-  line.add_flag("--filter-noise", options.firmware.filter_noise,
-                "of a firmware's parameters, the noise of its estimator as well, from the design's "
-                "filter");
+                  "version of the firmware, e.g. 1.15 of px4; default: the newest known release");
+  line.add_flag(
+      "--filter-noise", options.firmware.filter_noise,
+      "for a firmware: write the noise of its estimator as well, from the design's filter");
   line.add_option("--setup NAME", options.firmware.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
 }
@@ -225,7 +221,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb export_verb() {
   return {"export", "DIR|FILE --to NAME -o DIR",
-          "write gains, or what a design gives, for another program",
+          "write gains, or the results of a design, for another program",
           "quadtune export designs/uquad-hover.toml --to json -o out/uquad-json",
           with_options(add_options, run_export)};
 }

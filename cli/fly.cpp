@@ -32,7 +32,7 @@ struct Options {
   }
 };
 
-/// Two outputs into one file would leave the second.
+/// Two outputs with the same file would overwrite each other.
 void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& outputs) {
   const auto path = [](const std::string& file) {
     return std::filesystem::absolute(file).lexically_normal();
@@ -46,23 +46,22 @@ void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& out
 }
 
 void require_sane(const Options& options, const Context& context) {
-  constexpr std::uint64_t kMostSeeds = 1000;
+  constexpr std::uint64_t kMaxSeeds = 1000;
   const auto& [log, report] = options.outputs;
   require_output_names(options.outputs, "fly");
   refuse_one_file({{"--log", log}, {"--report", report}, {"-o", context.file}});
-  if (options.seeds > kMostSeeds)
-    refuse("fly", "--seeds", "--seeds is {}, expected at most {}; quadtune campaign flies more",
-           options.seeds, kMostSeeds);
-  if (options.arm && !options.compiled)
-    refuse("fly", "--arm", "--arm is for --compiled, expected both");
+  if (options.seeds > kMaxSeeds)
+    refuse("fly", "--seeds", "--seeds is {}, expected at most {}; use `quadtune campaign` for more",
+           options.seeds, kMaxSeeds);
+  if (options.arm && !options.compiled) refuse("fly", "--arm", "--arm requires --compiled");
   if (options.compiled && options.flight.gains.empty())
-    refuse("fly", "--compiled", "expected --gains DIR, an export of flight code, with --compiled");
+    refuse("fly", "--compiled", "--compiled requires --gains DIR, an export of flight code");
   std::error_code ignored;
   const std::filesystem::path code = options.flight.gains;
   if (options.compiled && !std::filesystem::exists(code / kFlightCodeName, ignored))
     refuse("fly", "--gains",
-           "--gains {} has no {}, expected an export of flight code, as `quadtune export SOURCE "
-           "--to c -o DIR` writes it, with --compiled",
+           "--gains {} has no {}, expected an export of flight code with --compiled; `quadtune "
+           "export SOURCE --to c -o DIR` writes one",
            options.flight.gains, kFlightCodeName);
   if (options.seeds == 1 || (log.empty() && report.empty())) return;
   const std::string name = log.empty() ? "--report" : "--log";
@@ -71,7 +70,7 @@ void require_sane(const Options& options, const Context& context) {
          options.seeds);
 }
 
-/// The flights of all seeds, by the library's law or by the program of an export.
+/// The flights of all seeds, with the law of the library or with the program of an export.
 std::vector<FlownFlight> flown(const Options& options, const PlannedFlight& plan) {
   const auto seeds = static_cast<std::uint32_t>(options.seeds);
   if (options.compiled)
@@ -118,11 +117,12 @@ void run_fly(Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.flight.vehicle, "a built-in vehicle or a vehicle file");
   add_flight_options(line, options.flight);
-  line.add_count("--seeds N", options.seeds, 1,
-                 "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1");
+  line.add_count(
+      "--seeds N", options.seeds, 1,
+      "number of flights, with the seeds --seed, --seed + 1, ...; pass if all pass; default 1");
   line.add_flag("--compiled", options.compiled,
                 "compile the flight code of --gains DIR and fly its program");
-  line.add_flag("--arm", options.arm, "with --compiled: for ARM, under qemu-arm");
+  line.add_flag("--arm", options.arm, "with --compiled: compile for ARM and run under qemu-arm");
   add_flight_outputs(line, options.outputs);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune help: usage of the program or of a verb, the man page and the bash completion, all from
-/// the one table of verbs.
+/// quadtune help: usage of the program or of a command, the man page and the bash completion, all
+/// generated from the table of commands.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,8 +25,9 @@ struct Options {
 };
 
 constexpr const char* kExitStatus =
-    "0 done; 1 the answer is no; 2 the command line is wrong; 3 the input is wrong; 4 no solution "
-    "exists or none was found; 5 a file could not be read or written, or a vehicle could not be "
+    "0 done; 1 the answer is no; 2 the command line is invalid; 3 the input is invalid; 4 no "
+    "solution exists or none was found; 5 a file could not be read or written, or a vehicle could "
+    "not be "
     "reached; 6 an error in quadtune itself; 130 interrupted";
 
 CommandHelp help_of(const Verb& verb) {
@@ -51,7 +52,7 @@ std::vector<CommandHelp> help_of(const std::vector<Verb>& some) {
   return all;
 }
 
-/// Whether a verb takes a word as it is: "imu" of "calibrate imu", "flow" of "compare flow".
+/// Whether a command accepts a literal word: "imu" of "calibrate imu", "flow" of "compare flow".
 bool takes_word(const Verb& verb, const std::string& word) {
   std::string words = " " + verb.usage + " ";
   std::replace(words.begin(), words.end(), '|', ' ');
@@ -59,7 +60,7 @@ bool takes_word(const Verb& verb, const std::string& word) {
          words.find(" " + word + " ") != std::string::npos;
 }
 
-/// The verb of that name, or all kinds of it: those of two words that begin with it.
+/// The command of that name, or all two-word commands that begin with it.
 std::vector<Verb> verbs_of(const std::string& name) {
   std::vector<Verb> found;
   const std::size_t blank = std::min(name.find(' '), name.size());
@@ -79,7 +80,7 @@ std::vector<Verb> verbs_of(const std::string& name) {
 void run_help(const Options& options, Context& context) {
   const std::string name = internal::joined(options.words, " ");
   if (context.json && (options.man || options.completion))
-    refuse("help", "--json", "--json came with --man or --completion, expected one of them");
+    refuse("help", "--json", "--json cannot be combined with --man or --completion");
   const std::vector<CommandHelp> commands =
       help_of(name.empty() || options.man || options.completion ? verbs() : verbs_of(name));
   context.print(

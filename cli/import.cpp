@@ -16,7 +16,7 @@
 namespace quadtune::cli {
 namespace {
 
-/// A dump of all parameters has some ten thousand lines.
+/// Maximum size of a parameter file [bytes]. A dump of all parameters has some ten thousand lines.
 constexpr std::size_t kLargestFile = std::size_t{16} << 20;
 
 struct Options {
@@ -40,13 +40,13 @@ void require_complete(const Options& options) {
            "expected a firmware, a file of its parameters or --defaults, and --vehicle V");
 }
 
-/// What the file says, which the options may repeat but not contradict.
+/// The firmware that the file names. The options may repeat it but must not contradict it.
 Firmware agreed(const Firmware& asked, const Firmware& written, const Options& options) {
   if ((!options.version.version.empty() && asked.version != written.version) ||
       (!options.version.setup.empty() && asked.setup != written.setup))
     refuse("import", options.version.version.empty() ? "--setup" : "--firmware",
-           "the file was written for version {}{}{}, expected the same version and set-up, or no "
-           "such option",
+           "the file was written for version {}{}{}; expected the same version and set-up, or "
+           "neither option",
            written.version, written.setup.empty() ? "" : " with set-up ", written.setup);
   return written;
 }
@@ -61,15 +61,13 @@ void run_import(const Options& options, Context& context) {
     const std::optional<Firmware> written = firmware_of_text(kind, text, options.file);
     if (written) target = agreed(target, *written, options);
     if (!written && options.version.version.empty())
-      context.note(
-          fmt::format("import: note: the file does not say for which version it is, {} is "
-                      "assumed",
-                      target.version));
+      context.note(fmt::format("import: note: the file does not state its version; {} is assumed",
+                               target.version));
     file = parse_parameters(target, text, options.file);
   }
-  constexpr double kShortest = 1e-4, kLongest = 1;
-  if (options.dt && !(*options.dt >= kShortest && *options.dt <= kLongest))
-    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kShortest, kLongest);
+  constexpr double kMin = 1e-4, kMax = 1;
+  if (options.dt && !(*options.dt >= kMin && *options.dt <= kMax))
+    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMin, kMax);
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const FirmwareImport import =
       import_parameters(target, vehicle, file, options.dt.value_or(kFirmwarePeriod));
@@ -79,22 +77,24 @@ void run_import(const Options& options, Context& context) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("FIRMWARE", options.firmware, "px4, ardupilot, betaflight or crazyflie");
-  line.add_option("FILE", options.file, "its parameters, a whole dump or a few lines");
+  line.add_option("FILE", options.file,
+                  "parameter file of the firmware, a complete dump or a few lines");
   line.add_option("--vehicle V", options.vehicle, "a built-in vehicle's name or a vehicle file");
-  line.add_flag("--defaults", options.defaults, "the firmware's defaults in place of a file");
-  line.add_option(
-      "--firmware VERSION", options.version.version,
-      "e.g. 1.15 of px4; that of a file that quadtune wrote, or the newest release that is known");
+  line.add_flag("--defaults", options.defaults,
+                "use the defaults of the firmware instead of a file");
+  line.add_option("--firmware VERSION", options.version.version,
+                  "version, e.g. 1.15 of px4; default: that of a file that quadtune wrote, or the "
+                  "newest known release");
   line.add_option("--setup NAME", options.version.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
-  line.add_positive("--dt T", options.dt, "sample period of the cascade [s]; 0.004");
+  line.add_positive("--dt T", options.dt, "control period of the cascade [s]; default 0.004");
 }
 
 }  // namespace
 
 Verb import_verb() {
   return {"import", "FIRMWARE FILE|--defaults --vehicle V [-o FILE]",
-          "margins, and gains to fly, of a firmware's parameters",
+          "read a firmware's parameters: margins, and gains that `fly` accepts",
           "quadtune import px4 --defaults --vehicle vehicles/quad-450.toml",
           with_options(add_options, run_import)};
 }

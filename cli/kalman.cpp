@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune kalman: the steady filter of matrices.
+/// quadtune kalman: the steady-state Kalman filter for matrices.
 #include "quadtune/synthesis/kalman.hpp"
 
 #include <fmt/format.h>
@@ -42,13 +42,14 @@ KalmanResult solve(const Options& options, std::istream& in) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
-  line.add_option("--G FILE", options.G, "where the process noise enters (nx x nw); identity");
+  line.add_option("--G FILE", options.G,
+                  "input matrix of the process noise (nx x nw); default: identity");
   line.add_option("--C FILE", options.C, "measurements (ny x nx)");
-  line.add_option(
-      "--Q FILE", options.Q,
-      "process noise: covariance per step, or density with --continuous and --sampled (nw x nw)");
-  line.add_option("--R FILE", options.R, "measurement noise, likewise (ny x ny)");
-  line.add_option("--N FILE", options.N, "cross-correlation (nw x ny); none");
+  line.add_option("--Q FILE", options.Q,
+                  "process noise: covariance per step, or spectral density with --continuous and "
+                  "--sampled (nw x nw)");
+  line.add_option("--R FILE", options.R, "measurement noise, as --Q (ny x ny)");
+  line.add_option("--N FILE", options.N, "cross-covariance (nw x ny); default: 0");
   line.add_flag("--discrete", options.time.discrete, "A is discrete");
   line.add_flag("--continuous", options.time.continuous, "A is continuous");
   line.add_number("--sampled DT", options.time.sampled,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune log: what is in a log, and what is odd about it.
+/// quadtune log: the contents of a log, and anomalies in it.
 
 #include "arguments/log_arguments.hpp"
 #include "program/command_line.hpp"
@@ -26,7 +26,7 @@ void run_log(const Options& options, Context& context) {
   const LogSurvey survey = survey_log(*reader);
   std::vector<ModelNeeds> models;
   for (const ModelSignals& model : signals_of_built_in_models())
-    models.push_back(needs_of_model(model, survey));
+    models.push_back(model_needs(model, survey));
   context.print([&] { return to_json(survey, models, options.file); },
                 [&] { return to_text(survey, models, options.file); });
   context.notes("log: warning: ", log_warnings(survey.condition));
@@ -41,7 +41,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb log_verb() {
   return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
-          "what is in a log, what is odd about it, and which filter models it feeds",
+          "list the contents of a log, its anomalies, and the filter models that it suffices for",
           "quadtune log docs/examples/flight.csv", with_options(add_options, run_log)};
 }
 

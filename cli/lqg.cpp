@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune lqg: state feedback and filter together, with what the sensors' noise makes of them.
+/// quadtune lqg: state feedback and filter together, with the deviations that sensor noise causes.
 #include "arguments/flown_lqr_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -20,14 +20,14 @@ struct Options {
 
 void run_lqg(const CommandLine& line, const Options& options, Context& context) {
   if (!options.lqg.recover && line.was_given("--noise-budget"))
-    refuse("lqg", "--noise-budget", "--noise-budget came without --recover, expected both");
+    refuse("lqg", "--noise-budget", "--noise-budget requires --recover");
   if (options.common.plant.vehicle.empty())
-    refuse("lqg", "V", "expected a vehicle, built in or a file");
+    refuse("lqg", "V", "expected a built-in vehicle or a vehicle file");
   require_positive(options.lqg.time, "lqg", "--time");
-  constexpr double kLongest = 1e6;
-  if (options.lqg.time > kLongest)
+  constexpr double kMax = 1e6;
+  if (options.lqg.time > kMax)
     refuse("lqg", "--time", "--time is {}, expected at most {} s", number(options.lqg.time),
-           number(kLongest));
+           number(kMax));
   const Vehicle vehicle = load_vehicle(options.common.plant.vehicle);
   const LqgReport report = design_on_flown_plant(
       options.common, options.flown, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
@@ -43,8 +43,8 @@ void add_options(CommandLine& line, Options& options) {
   options.common.verb = "lqg";
   line.add_option("V", options.common.plant.vehicle, "built-in vehicle or vehicle file");
   line.add_option("--Q FILE|LIST", options.common.Q,
-                  "weights of the 12 states, then of the integrals; one number stands for all; "
-                  "default: Bryson's rule, softened until the margins are met");
+                  "weights of the 12 states, then of the integrals; a single number applies to "
+                  "all; default: Bryson's rule, relaxed until the margins are met");
   line.add_option("--R FILE|LIST", options.common.R, "weights of the wrench, likewise");
   line.add_option("--integral LIST", options.common.integral,
                   "states to integrate, or none; default px,py,pz,yaw");
@@ -52,10 +52,11 @@ void add_options(CommandLine& line, Options& options) {
   add_flown_lqr_options(line, options.flown);
   line.add_number("--time S", options.lqg.time, "time of the prediction [s], default 60");
   line.add_flag("--recover", options.lqg.recover,
-                "raise the noise that the filter assumes of gyroscope and accelerometer where that "
-                "gives larger margins (loop transfer recovery)");
-  line.add_number("--noise-budget F", options.lqg.noise_budget,
-                  "most by which --recover may multiply the rms of a command, default 1.5");
+                "raise the gyroscope and accelerometer noise that the filter assumes if that gives "
+                "larger margins (loop transfer recovery)");
+  line.add_number(
+      "--noise-budget F", options.lqg.noise_budget,
+      "largest factor by which --recover may increase the rms of a command, default 1.5");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune lqr: of matrices, or of a vehicle about a trim.
+/// quadtune lqr: LQR gains for matrices, or for a vehicle at a trim.
 #include <fmt/format.h>
 
 #include <optional>
@@ -18,28 +18,29 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  LqrArguments vehicle;  // Q and R are the matrices', too
+  LqrArguments vehicle;  // Q and R serve for matrices, too
   std::string A, B, N;
   TimeArguments time;  // of the matrices
   std::string schedule;
   std::string evidence;
-  std::string plant;      // "flown", "ideal"; empty: by the other options
+  std::string plant;      // "flown", "ideal"; empty: chosen by the other options
   std::string structure;  // of the flown plant: "dynamic", "matrix"; empty: dynamic
   FlownLqrArguments flown;
 };
 
 struct PlantChoice {
-  bool flown = true;       // with the rotors' lag, the sensors' delays and the estimator
+  bool flown = true;       // with motor lag, sensor delays and estimator
   bool matrix = false;     // --structure matrix
-  std::string implied_by;  // the option of the ideal plant that decided, where --plant is silent
+  std::string implied_by;  // the option that selected the ideal plant if --plant is absent
 };
 
-/// Options of the ideal plant alone: another flight than hover, other words, another cost.
+/// Options that apply only to the ideal plant: other flights than hover, other conventions, other
+/// costs.
 constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",      "--radius",
                                          "--yaw-rate", "--yaw",    "--convention", "--inputs",
                                          "--states",   "--method", "--schedule",   "--evidence"};
 
-/// Whether --structure asks for a matrix alone.
+/// Whether --structure selects a matrix.
 bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
   if (structure.empty() || structure == "dynamic") return false;
   if (structure != "matrix")
@@ -47,12 +48,12 @@ bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
            internal::printable(structure),
            internal::did_you_mean(structure, {"dynamic", "matrix"}));
   line.refuse_given({"--change", "--past", "--integral"},
-                    "came with --structure matrix, expected none because that law integrates "
-                    "px,py,pz,yaw and does not remember its commands");
+                    "cannot be combined with --structure matrix, because that law integrates "
+                    "px,py,pz,yaw and does not store its commands");
   return true;
 }
 
-/// The first option that came and belongs to the ideal plant alone; empty: none.
+/// The first given option that applies only to the ideal plant; empty if there is none.
 std::string option_of_ideal(const CommandLine& line, bool matrix) {
   for (const std::string name : kIdealOptions)
     if (line.was_given(name) && !(matrix && (name == "--convention" || name == "--inputs")))
@@ -60,7 +61,7 @@ std::string option_of_ideal(const CommandLine& line, bool matrix) {
   return "";
 }
 
-/// @throws UsageError  for other words, and for options of the other plant or structure
+/// @throws UsageError  for unknown values, and for options of the other plant or structure
 PlantChoice choose_plant(const CommandLine& line, const std::string& plant,
                          const std::string& structure) {
   PlantChoice choice;
@@ -69,22 +70,24 @@ PlantChoice choose_plant(const CommandLine& line, const std::string& plant,
   choice.flown = plant.empty() ? of_ideal.empty() : asks_for_flown_plant(plant, "lqr");
   if (choice.flown && !of_ideal.empty())
     refuse("lqr", of_ideal,
-           "{} belongs to --plant ideal, expected a hover in the words of ned with the wrench on "
-           "the flown plant",
+           "{} belongs to --plant ideal; on the flown plant the design is for a hover in "
+           "convention ned with the wrench as input",
            of_ideal);
   if (!choice.flown && structure == "dynamic" && !of_ideal.empty())
-    refuse("lqr", of_ideal, "{} came with --structure dynamic, expected --structure matrix or none",
+    refuse("lqr", of_ideal,
+           "{} cannot be combined with --structure dynamic; expected --structure matrix or no "
+           "--structure",
            of_ideal);
   if (!choice.flown)
     line.refuse_given({"--change", "--estimator", "--height", "--past", "--sensors", "--structure"},
-                      "belongs to the flown plant, expected none with " +
+                      "belongs to the flown plant and cannot be combined with " +
                           (plant.empty() ? of_ideal : "--plant ideal"));
   if (plant.empty()) choice.implied_by = of_ideal;
   return choice;
 }
 
-// Options of the other kind of problem are refused: taken in silence they would give another gain
-// than was asked.
+// Options of the other kind of problem are rejected. If they were ignored, the gain would not be
+// the requested one.
 
 void run_matrices(const Options& options, Context& context) {
   require_one_time(options.time, "lqr");
@@ -110,7 +113,7 @@ void run_matrices(const Options& options, Context& context) {
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   line.refuse_given({"--N", "--continuous", "--discrete", "--sampled"},
-                    "belongs to matrices, expected --method and --dt with a vehicle");
+                    "applies to matrices only; use --method and --dt with a vehicle");
   const PlantChoice choice = choose_plant(line, options.plant, options.structure);
   if (choice.flown && choice.matrix) {
     run_matrix_lqr(options.vehicle, options.flown, line.was_given("--inputs"), context);
@@ -120,17 +123,16 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
     run_ideal_lqr(options.vehicle, options.evidence, context);
   } else {
     line.refuse_given({"--evidence"},
-                      "came with --schedule, expected none because a schedule has no margins");
-    line.refuse_given(
-        {"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
-        "came with --schedule, expected the flight as axes of the grid, e.g. --schedule "
-        "\"speed=2\"");
+                      "cannot be combined with --schedule, because a schedule has no margins");
+    line.refuse_given({"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
+                      "cannot be combined with --schedule; give the flight as axes of the grid, "
+                      "e.g. --schedule \"speed=2\"");
     run_schedule(options.vehicle, options.schedule, context);
   }
   if (!choice.implied_by.empty())
     context.note(
-        fmt::format("lqr: note: {} implies --plant ideal, the textbook plant without the rotors' "
-                    "lag, the sensors' delays and the estimator",
+        fmt::format("lqr: note: {} implies --plant ideal, the textbook plant without motor lag, "
+                    "sensor delays and estimator",
                     choice.implied_by));
 }
 
@@ -139,7 +141,7 @@ void run_lqr(const CommandLine& line, Options& options, Context& context) {
   const bool has_matrices = !options.A.empty() || !options.B.empty();
   if (has_vehicle && has_matrices)
     refuse("lqr", options.A.empty() ? "--B" : "--A",
-           "a vehicle and --A or --B came together, expected one or the other");
+           "a vehicle and --A or --B were both given, expected one or the other");
   if (!has_vehicle && !has_matrices)
     refuse("lqr", "V", "expected a vehicle, or --A, --B, --Q and --R");
   if (has_vehicle) {
@@ -150,7 +152,7 @@ void run_lqr(const CommandLine& line, Options& options, Context& context) {
                      "--yaw",    "--convention", "--inputs",   "--states", "--integral",
                      "--method", "--dt",         "--schedule", "--plant",  "--change",
                      "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
-                    "belongs to a vehicle, expected --discrete or --sampled DT with matrices");
+                    "applies to a vehicle only; use --discrete or --sampled DT with matrices");
   run_matrices(options, context);
 }
 
@@ -158,13 +160,13 @@ void add_options(CommandLine& line, Options& options) {
   add_plant_options(line, options.vehicle.plant);
   line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
   line.add_option("--B FILE", options.B, "inputs (nx x nu)");
-  line.add_option("--Q FILE|LIST", options.vehicle.Q,
-                  "state weights: a matrix file, or with V a list, integrals last; one number "
-                  "stands for all; default with V: Bryson's rule, on the ideal plant 1");
   line.add_option(
-      "--R FILE|LIST", options.vehicle.R,
-      "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is regular");
-  line.add_option("--N FILE", options.N, "cross weights (nx x nu); none");
+      "--Q FILE|LIST", options.vehicle.Q,
+      "state weights: a matrix file, or with V a list with the integrals last; a single number "
+      "applies to all; default with V: Bryson's rule, on the ideal plant 1");
+  line.add_option("--R FILE|LIST", options.vehicle.R,
+                  "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is regular");
+  line.add_option("--N FILE", options.N, "cross weights (nx x nu); default: 0");
   line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
   line.add_flag("--discrete", options.time.discrete, "A and B are discrete");
   line.add_number("--sampled DT", options.time.sampled,
@@ -177,29 +179,31 @@ void add_options(CommandLine& line, Options& options) {
       "with V: continuous (default), discrete (weights per step) or sampled (exact cost)");
   line.add_number("--dt T", options.vehicle.dt,
                   "with V: sample period [s], 0.005 on the flown plant");
-  line.add_option(
-      "--plant NAME", options.plant,
-      "with V: flown (default) includes the rotors' lag, the sensors' delays and the estimator; "
-      "ideal is the textbook plant with 12 states, which options from --at to --states, --method, "
-      "--schedule and --evidence imply, of a matrix but for --convention and --inputs");
+  line.add_option("--plant NAME", options.plant,
+                  "with V: flown (default) includes motor lag, sensor delays and estimator; ideal "
+                  "is the textbook plant with 12 states, which the options from --at to --states, "
+                  "--method, --schedule and --evidence imply (with --structure matrix: except "
+                  "--convention and --inputs)");
   add_flown_lqr_options(line, options.flown);
-  line.add_option("--structure NAME", options.structure,
-                  "flown plant: dynamic (default) remembers past commands and the rotors' lag; "
-                  "matrix is one on 12 states and one on 4 integrals, for programs that hold no "
-                  "more (K*.txt, controllerVars.m), in the words of --convention and --inputs");
+  line.add_option(
+      "--structure NAME", options.structure,
+      "flown plant: dynamic (default) feeds back past commands and the motor lag; matrix consists "
+      "of one gain on 12 states and one on 4 integrals, for programs that store no more (K*.txt, "
+      "controllerVars.m), in the convention of --convention and --inputs");
   line.add_option("--schedule GRID", options.schedule,
-                  "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
-                  "(first:step:last); also climb, and mass and density as ratios");
-  line.add_option("--evidence HOW", options.evidence,
-                  "margins that are computed: none, essential (each loop) or full (and all at "
-                  "once); full where that takes about a second, less with a note otherwise");
+                  "with V: gain schedule over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
+                  "(first:step:last); further axes are climb, and mass and density as ratios");
+  line.add_option(
+      "--evidence HOW", options.evidence,
+      "margins that are computed: none, essential (each loop) or full (and all loops at once); "
+      "default: full if that takes about a second, otherwise less and a note");
 }
 
 }  // namespace
 
 Verb lqr_verb() {
   return {"lqr", "V [options]   or   --A FILE --B FILE --Q FILE --R FILE [options]",
-          "design an LQR gain, for matrices or for a vehicle about a trim",
+          "design an LQR gain, for matrices or for a vehicle at a trim",
           "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
           "--method discrete --dt 0.01",
           with_options(add_options, run_lqr)};

@@ -20,7 +20,7 @@
 namespace quadtune::cli {
 namespace {
 
-/// How the table of a schedule is to be written, if at all.
+/// The format of the table of a schedule, if one is written.
 std::optional<TableFormat> wanted_table(const Context& context) {
   if (context.file.empty()) return context.json ? std::optional(TableFormat::json) : std::nullopt;
   TableFormat format = TableFormat::toml;
@@ -30,8 +30,7 @@ std::optional<TableFormat> wanted_table(const Context& context) {
     refuse("lqr", "-o", "{}", error.what());
   }
   if (context.json && format != TableFormat::json)
-    refuse("lqr", "-o",
-           "-o is '{}' and --json came, expected a name that ends in .json, or no --json",
+    refuse("lqr", "-o", "-o is '{}', expected a name that ends in .json with --json",
            internal::printable(context.file));
   return format;
 }

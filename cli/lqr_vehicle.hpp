@@ -10,26 +10,27 @@
 
 namespace quadtune::cli {
 
-/// Designs on the plant that flies, and prints.
+/// Designs on the flown plant and prints the result.
 void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
                    Context& context);
 
-/// Designs a matrix on the states for the plant that flies, and prints.
-/// @param asks_for_inputs  whether --inputs came
+/// Designs a matrix on the states for the flown plant and prints the result.
+/// @param asks_for_inputs  whether --inputs was given
 void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
                     bool asks_for_inputs, Context& context);
 
-/// Designs about a trim, without what flies, and prints.
-/// @param evidence  the word of --evidence, or empty
+/// Designs on the ideal plant at a trim and prints the result.
+/// @param evidence  value of --evidence, or empty
 void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, Context& context);
 
-/// Designs over a grid of flights, and prints: a summary, or with --json or -o the table.
+/// Designs over a grid of trims and prints a summary; with --json or -o it prints the table
+/// instead.
 /// @throws NoSolution  if no point has a gain.
 void run_schedule(const LqrArguments& arguments, const std::string& grid, Context& context);
 
-/// Ends with the culprit unless the equation was solved.
-/// @param plant  what gave the model: a vehicle or "--A".
-/// @throws NoSolution
+/// Requires that the equation was solved.
+/// @param plant  source of the model: a vehicle or "--A".
+/// @throws NoSolution  with the reason of the failure
 void require_solved(const RiccatiResult& riccati, const std::string& plant);
 
 }  // namespace quadtune::cli

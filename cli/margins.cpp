@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune margins: of a transfer function, of a gain on matrices, or of a vehicle's gains.
+/// quadtune margins: margins of a transfer function, of a gain with matrices, or of a vehicle's
+/// gains.
 #include <fmt/format.h>
 
 #include <optional>
@@ -54,15 +55,15 @@ NamedLoop transfer_function_loop(const Options& options) {
   return {OpenLoop(g)};
 }
 
-/// Declared, or by --dt alone.
+/// How the matrices are to be read, as declared by an option or implied by --dt.
 MatrixTime time_of(const TimeArguments& time, const std::optional<double>& dt) {
   require_one_time(time, "margins");
   if (time.discrete && !dt)
     refuse("margins", "--dt", "--dt is missing, expected the sample period with --discrete");
   if (dt && (time.continuous || time.sampled))
     refuse("margins", "--dt",
-           "--dt came with {}, expected --sampled DT for continuous A and B whose input is held, "
-           "or --discrete for A and B that are discrete",
+           "--dt cannot be combined with {}; use --sampled DT for continuous A and B whose input "
+           "is held, or --discrete for discrete A and B",
            time.continuous ? "--continuous" : "--sampled");
   if (time.sampled) require_positive(*time.sampled, "margins", "--sampled");
   return time.sampled ? MatrixTime::sampled : dt ? MatrixTime::discrete : MatrixTime::continuous;
@@ -87,17 +88,18 @@ NamedLoop matrix_loop(const Options& options, std::istream& in) {
 
 LoopReport vehicle_loop(const Options& options) {
   if (options.flight.gains.empty())
-    refuse("margins", "--gains",
-           "--gains is missing, expected the gains of the vehicle: a file or the directory of an "
-           "export");
+    refuse(
+        "margins", "--gains",
+        "--gains is missing, expected the gains of the vehicle: a file or an export's directory");
   if (cut_at_states(options))
-    refuse("margins", "--cut", "--cut states belongs to matrices, expected inputs with a vehicle");
+    refuse("margins", "--cut",
+           "--cut states applies to matrices only, expected inputs with a vehicle");
   FlownLoopOptions at = options.at;
   at.command_delay = options.delay;
   return loop_report(options.flight, at, options.plant == "flown");
 }
 
-/// Exactly one of the three ways to name a loop, and nothing of the other two.
+/// Requires exactly one of the three ways to define a loop, and no option of the other two.
 void require_one_loop(const Options& options) {
   const bool fraction = !options.num.empty() || !options.den.empty();
   if (int{fraction} + int{options.has_matrices()} + int{options.has_vehicle()} != 1)
@@ -107,7 +109,7 @@ void require_one_loop(const Options& options) {
     refuse("margins", "--gains", "--gains requires a vehicle; expected `margins V --gains FILE`");
 }
 
-/// What the picture is of, as it was asked for.
+/// The title of the picture: the loop as the command line defines it.
 std::string figure_title(const Options& options) {
   const std::string what =
       options.has_vehicle()    ? fmt::format("{} with the gains {}, ideal plant",
@@ -120,7 +122,7 @@ std::string figure_title(const Options& options) {
 }
 
 void require_flown(const Options& options, const CommandLine& line) {
-  std::string flown_option;  // the first that came
+  std::string flown_option;  // the first that was given
   for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
     if (flown_option.empty() && line.was_given(name)) flown_option = name;
   (void)asks_for_flown_plant(options.plant, "margins");
@@ -142,14 +144,14 @@ void require_sane(const Options& options, const CommandLine& line) {
   if (options.dt) require_positive(*options.dt, "margins", "--dt");
   if (options.dt && options.has_vehicle())
     refuse("margins", "--dt",
-           "--dt belongs to a transfer function or matrices, expected none because the gains have "
-           "their own");
+           "--dt applies to a transfer function or to matrices only, because the gains of a "
+           "vehicle have their own period");
   if (!options.has_matrices() && options.time.count() > 0)
     refuse("margins",
            options.time.sampled      ? "--sampled"
            : options.time.continuous ? "--continuous"
                                      : "--discrete",
-           "--continuous, --discrete and --sampled belong to matrices, expected none of them");
+           "--continuous, --discrete and --sampled apply to matrices only");
 }
 
 void run_margins(const CommandLine& line, const Options& options, Context& context) {
@@ -170,7 +172,7 @@ void run_margins(const CommandLine& line, const Options& options, Context& conte
   context.notes("margins: warning: ", margin_warnings(report.margins()));
 }
 
-/// Of a transfer function or of matrices.
+/// Adds the options of a transfer function and of matrices.
 void add_loop_options(CommandLine& line, Options& options) {
   line.add_option("--num LIST", options.num, "numerator, descending powers");
   line.add_option("--den LIST", options.den, "denominator, descending powers");
@@ -184,9 +186,9 @@ void add_loop_options(CommandLine& line, Options& options) {
   line.add_number("--sampled DT", options.time.sampled,
                   "continuous A and B with the input held for DT seconds");
   line.add_number("--dt T", options.dt,
-                  "sample period [s]: the coefficients are of z, the matrices discrete");
+                  "sample period [s]: the coefficients are those of z, the matrices are discrete");
   line.add_number("--delay S", options.delay,
-                  "delay in the loop [s]; whole samples of a discrete one");
+                  "delay in the loop [s]; a whole number of samples if the loop is discrete");
 }
 
 void add_options(CommandLine& line, Options& options) {
@@ -195,10 +197,10 @@ void add_options(CommandLine& line, Options& options) {
                   "with V: an export, a file of gains or a design file");
   add_loop_options(line, options);
   line.add_option("--plant NAME", options.plant,
-                  "with V: flown (default) includes the rotors' lag, the sensors' clocks and "
-                  "delays and the estimator; ideal is the textbook plant with 12 states");
+                  "with V: flown (default) includes motor lag, sample times and delays of the "
+                  "sensors, and estimator; ideal is the textbook plant with 12 states");
   line.add_option("--estimator NAME", options.flight.estimator,
-                  "with V: as for `quadtune fly`; default: what the sensors allow");
+                  "with V: as for `quadtune fly`; default: one that the sensors allow");
   line.add_option("--sensors NAME", options.flight.sensors, "with V: real (default) or ideal");
   line.add_number("--height M", options.at.height, "with V: height of the hover [m], default 1.1");
   add_plot_option(line, options.plot);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune pid: PID gains for a transfer function, by requirement, by rule, or the best within
-/// bounds.
+/// quadtune pid: PID gains for a transfer function, by requirement, by rule, or by optimization
+/// within bounds; or for the cascade of a vehicle.
 #include <optional>
 
 #include "arguments/flight_arguments.hpp"
@@ -20,8 +20,8 @@ namespace {
 
 struct Options {
   std::string vehicle;
-  CascadeOptions cascade;  // of the vehicle; Ms_max is the transfer function's, too
-  bool free = false;       // of the vehicle's published gains
+  CascadeOptions cascade;  // of the vehicle; Ms_max serves for a transfer function, too
+  bool free = false;       // --free: not bounded by the vehicle's published gains
   std::string num, den, type = "PID", rule;
   double delay = 0;                               // [s]
   std::optional<double> crossover, phase_margin;  // [rad/s], [deg]
@@ -46,7 +46,7 @@ PidBounds bounds_of(const Options& options) {
   return bounds;
 }
 
-/// Exactly one of the three ways to find gains.
+/// Requires exactly one of the three ways to compute gains.
 void require_one_way(const Options& options) {
   const bool requirement = options.crossover || options.phase_margin;
   const bool rule = !options.rule.empty();
@@ -54,14 +54,15 @@ void require_one_way(const Options& options) {
   if (int{requirement} + int{rule} + int{bounds} != 1)
     refuse("pid", "--crossover",
            "expected a vehicle, or one of --crossover with --phase-margin, --rule, or --Ms-max "
-           "with --Mt-max and --noise-gain-max as wanted");
+           "with optional --Mt-max and --noise-gain-max");
   if (requirement && !(options.crossover && options.phase_margin))
     refuse("pid", options.crossover ? "--phase-margin" : "--crossover",
            "--crossover and --phase-margin belong together, expected both");
   require_not_negative(options.Tf.value_or(0), "pid", "--Tf");
   if (rule && options.Tf)
-    refuse("pid", "--Tf",
-           "--Tf does not belong to --rule, whose filter is a tenth of its derivative time");
+    refuse(
+        "pid", "--Tf",
+        "--Tf cannot be combined with --rule, whose filter time is a tenth of the derivative time");
 }
 
 PidRequest request_of(const Options& options) {
@@ -85,21 +86,22 @@ void run_transfer_function(const Options& options, Context& context) {
     return pid_report(read_plant(options), request);
   });
   if (report.needs_filter)
-    refuse("pid", "--Tf", "the derivative of this plant has no bound, expected a filter with --Tf");
+    refuse("pid", "--Tf",
+           "the gain of the derivative is unbounded for this plant; expected a filter with --Tf");
   draw(
       options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   context.notes("pid: warning: ", margin_warnings(report.margins));
 }
 
-// Options of the other mode are refused: taken in silence they would give other gains than were
-// asked.
+// Options of the other mode are rejected. If they were ignored, the gains would not be the
+// requested ones.
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_picture(options.plot, "pid");
   line.refuse_given({"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
                      "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
-                    "belongs to a transfer function, expected --bandwidth, --Ms-max and the like "
+                    "belongs to a transfer function; use --bandwidth, --Ms-max and similar options "
                     "with a vehicle");
   if (line.was_given("--free")) options.cascade.use_published = !options.free;
   const Vehicle vehicle = load_vehicle(options.vehicle);
@@ -118,7 +120,7 @@ void run_pid(const CommandLine& line, Options& options, Context& context) {
     line.refuse_given(
         {"--method", "--plant", "--dt", "--bandwidth", "--sensor-delay", "--structure",
          "--motor-lag", "--tracking-max", "--integral", "--integrator", "--free"},
-        "belongs to a vehicle, expected one");
+        "belongs to a vehicle; expected `pid V`");
     run_transfer_function(options, context);
     return;
   }
@@ -130,53 +132,53 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
   line.add_option("--den LIST", options.den, "denominator, descending powers");
   line.add_number("--delay S", options.delay, "delay of the plant [s]");
   line.add_option("--type TYPE", options.type, "P, PI, PD or PID (default)");
-  line.add_number("--crossover W", options.crossover, "where the loop's gain shall be 1 [rad/s]");
-  line.add_number("--phase-margin DEG", options.phase_margin, "there [deg]");
-  line.add_number("--Tf S", options.Tf, "time constant of the derivative's filter [s]; 0");
+  line.add_number("--crossover W", options.crossover, "crossover frequency of the loop [rad/s]");
+  line.add_number("--phase-margin DEG", options.phase_margin,
+                  "phase margin at the crossover [deg]");
+  line.add_number("--Tf S", options.Tf, "time constant of the derivative filter [s]; default 0");
   line.add_option("--rule NAME", options.rule,
                   "amigo, simc, ziegler-nichols, cohen-coon or lambda");
   line.add_number("--tau-c S", options.tau_c,
                   "with the rules simc and lambda: time constant of the closed loop [s]");
   line.add_number("--Ms-max M", options.cascade.Ms_max,
-                  "greatest integral gain with max |S| up to this; 1.4");
-  line.add_number("--Mt-max M", options.Mt_max, "and max |T| up to this");
-  line.add_number("--noise-gain-max G", options.noise_gain_max, "and max |C S| up to this");
+                  "largest integral gain with max |S| up to this; default 1.4");
+  line.add_number("--Mt-max M", options.Mt_max, "and with max |T| up to this");
+  line.add_number("--noise-gain-max G", options.noise_gain_max, "and with max |C S| up to this");
 }
 
 void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {
   line.add_number("--dt T", options.dt,
-                  "with V: sample period [s]; that of its published gains, or 0.005");
+                  "with V: control period [s]; default: that of its published gains, or 0.005");
   line.add_option(
       "--bandwidth LIST", options.bandwidth,
-      "with V: where the rate's loop crosses 1 [rad/s]: roll=40,x=2, or one number for all");
-  line.add_option(
-      "--sensor-delay LIST", options.sensor_delay,
-      "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02");
+      "with V: crossover of the rate loops [rad/s]: roll=40,x=2, or one number for all");
+  line.add_option("--sensor-delay LIST", options.sensor_delay,
+                  "with V: delay of the measurements [s]: one number, or roll=0.005,x=0.02");
   line.add_option("--structure NAME", options.structure,
-                  "with V: pid (default), or p-pi: what a gain before a PI controller of the rate "
-                  "can fly, as autopilots have it");
+                  "with V: pid (default), or p-pi: a gain before a PI controller of the rate, as "
+                  "in autopilots");
   line.add_number("--motor-lag S", options.motor_lag,
-                  "with V: time constant of the motors [s]; the vehicle's");
+                  "with V: time constant of the motor lag [s]; default: that of the vehicle");
   line.add_number("--tracking-max M", options.tracking_max,
-                  "with V: max |value / set point| up to this; 1.3");
+                  "with V: max |value / set point| up to this; default 1.3");
   line.add_option("--integral LIST", options.integral,
-                  "with V: loops that have an integral, or none; all");
+                  "with V: loops that have an integral, or none; default: all");
   line.add_option("--integrator NAME", options.integrator,
                   "with V: euler (default), backward-euler or tustin");
   line.add_flag(
       "--free", free,
-      "with V: do not hold the loops to the Ms, noise and load peak of the published gains");
+      "with V: do not bound the loops by the Ms, noise and load peak of the published gains");
 }
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.vehicle, "a built-in vehicle's name or a vehicle file");
   line.add_option("--method M", options.cascade.method,
-                  "flown (default but for a satellite receiver below 5 Hz without optical flow): "
-                  "all gains at once on the flown plant; loops: loop by loop, implied by "
-                  "--bandwidth, --Ms-max and the like");
+                  "flown (default unless the position comes only from a satellite receiver below 5 "
+                  "Hz): all gains at once on the flown plant; loops: loop by loop, implied by "
+                  "--bandwidth, --Ms-max and similar options");
   line.add_option("--plant NAME", options.cascade.plant,
                   "flown (default), or ideal: the textbook plant with 12 states, loop by loop; the "
-                  "flown loop is told in both cases");
+                  "flown loop is reported in both cases");
   add_cascade_options(line, options.cascade, options.free);
   add_transfer_function_options(line, options);
   add_plot_option(line, options.plot);

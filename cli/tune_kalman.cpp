@@ -24,7 +24,7 @@
 namespace quadtune::cli {
 namespace {
 
-constexpr const char* kVerb = "tune";  ///< in messages
+constexpr const char* kVerb = "tune";  ///< name of the command in messages
 
 struct Options {
   std::string model, file, report, method = "ml";
@@ -52,7 +52,7 @@ void require_sane(const Options& options) {
     refuse(kVerb, "--report", "--report is '{}', expected a name that ends in .html",
            internal::printable(options.report));
   if (!options.report.empty() && options.report == options.file)
-    refuse(kVerb, "--report", "--report and -o are one file, expected two");
+    refuse(kVerb, "--report", "--report and -o name the same file, expected two files");
   if (options.logs.empty())
     refuse(kVerb, "--log", "--log is missing, expected a log of the sensors");
   if (!(options.holdout >= 0 && options.holdout <= 0.9))
@@ -60,7 +60,7 @@ void require_sane(const Options& options) {
   for (const std::string& path : options.logs)
     if (path == "-")
       refuse(kVerb, "--log",
-             "--log is -, expected a file because it is read twice, once for its hash");
+             "--log is -, expected a file, because it is read twice, once for its hash");
 }
 
 NoiseLogs read_logs(FilterModel model, const Options& options, const Context& context) {
@@ -105,16 +105,17 @@ void run_tune_kalman(const Options& options, Context& context) {
   if (tuning.fit.status == NoiseFitStatus::not_computed)
     throw NoSolution("tune: " + tuning.fit.culprit, options.model);
   const bool passed = tuning.verdict == CheckVerdict::pass;
-  // After an interrupt what was found is still told and written: that is little work.
+  // After an interrupt the best result is still printed and written, which takes little time.
   const bool ended = tuning.fit.status == NoiseFitStatus::interrupted || interrupted();
   const std::function<bool()> stop = ended ? nullptr : std::function<bool()>(interrupted);
-  // First, so that a file that cannot be written does not take a long search with it.
+  // Printed before files are written, so that a failing write does not lose the result of a long
+  // search.
   context.print([&] { return to_json(noise); }, [&] { return to_text(noise); });
   context.out << std::flush;
   context.answered = true;
   if (!options.file.empty() && (passed || options.force))
     context.write(options.file, tuned_model_file(noise, context.command), stop);
-  keeps_the_best.reset();  // what was found is told: the page may be given up at any time
+  keeps_the_best.reset();  // the result is printed: the page may be abandoned at any time
   if (!options.report.empty() && !ended) {
     const NoiseEvidence evidence =
         noise_evidence(noise, options.holdout, context.threads, interrupted);
@@ -126,40 +127,44 @@ void run_tune_kalman(const Options& options, Context& context) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("--model NAME|FILE", options.model, "a built-in filter model, or a file");
-  line.add_list("--log FILE", options.logs, "a log; several: repeat the option");
+  line.add_list("--log FILE", options.logs, "log of the sensors; repeat the option for several");
   line.add_list("--map NAME=CHANNEL", options.maps,
-                "the channel of an input or measurement that is called otherwise, of another log "
-                "of the same flight as CHANNEL@FILE");
+                "channel of an input or measurement that has another name in the log; CHANNEL@FILE "
+                "for another log of the same flight");
   line.add_list("--truth STATE=CHANNEL", options.truths,
-                "the channel of what a state truly was, or of the attitude as qw qx qy qz: the "
-                "filter's errors are judged by it and told in its units");
+                "channel of the true value of a state, or of the attitude as qw qx qy qz; the "
+                "errors of the filter are computed from it and reported in its units");
   line.add_option("--method ml|als", options.method,
-                  "ml: most likely; als: least squares of the innovations' autocovariances; ml");
-  line.add_list("--fix NAME", options.fixed, "leave a parameter as it is");
-  line.add_list("--start NAME=NUMBER", options.starts_at,
-                "the variance that the search begins with");
+                  "ml (default): maximum likelihood; als: least squares of the autocovariances of "
+                  "the innovations");
+  line.add_list("--fix NAME", options.fixed, "keep a parameter fixed");
+  line.add_list("--start NAME=NUMBER", options.starts_at, "variance at which the search starts");
   add_log_options(line, options.log);
   line.add_number("--holdout SHARE", options.holdout,
-                  "share of each log, its end, that is kept for the verdict; 0.2");
+                  "fraction at the end of each log that is held out for the verdict; default 0.2");
   line.add_number("--gate LIMIT", options.gate,
-                  "refuse measurements whose squared innovation is more variances than this");
+                  "reject measurements whose squared innovation exceeds this many variances");
   line.add_number("--student NU", options.student,
-                  "degrees of freedom of measurement errors with long tails");
-  line.add_count("--starts N", options.starts, 1, "searches from different starts; 3");
-  line.add_positive("--budget S", options.budget,
-                    "seconds after which the search ends with the best it has; no end");
+                  "degrees of freedom of a Student distribution of the measurement errors");
+  line.add_count("--starts N", options.starts, 1,
+                 "number of searches from different starts; default 3");
+  line.add_positive(
+      "--budget S", options.budget,
+      "maximum time of the search [s], which then returns the best result; default: unlimited");
   line.add_flag("--profile", options.profile,
-                "intervals by the likelihood's profile, not by its curvature");
-  line.add_option("-o FILE", options.file, "the tuned model, where the verdict is pass");
-  line.add_option("--report FILE", options.report, "write a page to look at: a .html file");
-  line.add_flag("--force", options.force, "write it whatever the verdict; it says so");
+                "compute intervals from the profile of the likelihood, not from its curvature");
+  line.add_option("-o FILE", options.file,
+                  "file for the tuned model, written if the verdict is pass");
+  line.add_option("--report FILE", options.report, "write a web page: a .html file");
+  line.add_flag("--force", options.force,
+                "write the model whatever the verdict; the file states it");
 }
 
 }  // namespace
 
 Verb tune_kalman_verb() {
   return {"tune kalman", "--model NAME|FILE --log FILE... [--map NAME=CHANNEL]...",
-          "find a filter's noise covariances from logs, with a verdict",
+          "estimate a filter's noise covariances from logs, with a verdict",
           "quadtune tune kalman --model altitude --log docs/examples/bobbing.csv",
           with_options(add_options, run_tune_kalman)};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune tune lqr: weights of an LQR problem, over missions or those whose gain is a given one.
+/// quadtune tune lqr: weights of an LQR problem, tuned over missions or matched to a given gain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct Options {
   std::uint64_t starts = 8;
 };
 
-/// What the command line leaves open is as the gains, or the design that they stand in, have it.
+/// Options that are absent take their values from the gains, or from the design that contains them.
 void complete(const CommandLine& line, const GivenGains& given, LqrArguments& problem) {
   const auto absent = [&line](const char* option) { return !line.was_given(option); };
   PlantArguments& plant = problem.plant;
@@ -64,12 +64,12 @@ void complete(const CommandLine& line, const GivenGains& given, LqrArguments& pr
   plant.yaw_rate = flight.yaw_rate;
 }
 
-/// @param problem  `method` is empty where it was not said
+/// @param problem  `method` is empty if it was not given
 LqrArguments with_defaults(LqrArguments problem) {
   problem.verb = kVerb;
   if (problem.plant.at != "hover")
     refuse(kVerb, "--at",
-           "--at is '{}', expected hover because missions are flown with gains about it",
+           "--at is '{}', expected hover, because missions are flown with gains for hover",
            internal::printable(problem.plant.at));
   if (problem.Q.empty() && problem.R.empty()) problem.plant.inputs = "wrench";
   if (problem.method.empty()) problem.method = "sampled";
@@ -81,13 +81,13 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   if (options.missions.missions.empty() && options.missions.requirements.empty())
     refuse(kVerb, "--mission",
            "expected --mission NAME or --requirements FILE to tune weights over missions, or "
-           "--match-gains FILE to find those of a gain");
-  line.refuse_given({"--tie", "--tolerance", "--starts"}, "is for --match-gains, expected none");
+           "--match-gains FILE to compute the weights of a gain");
+  line.refuse_given({"--tie", "--tolerance", "--starts"}, "requires --match-gains");
   const bool standard = options.problem.Q.empty() && options.problem.R.empty();
   if (standard && line.was_given("--inputs") && options.problem.plant.inputs != "wrench")
     refuse(kVerb, "--inputs",
-           "--inputs came without --Q and --R, expected none or wrench because weights by "
-           "Bryson's rule are of it");
+           "--inputs requires --Q and --R unless it is wrench, because weights by Bryson's rule "
+           "are those of the wrench");
   options.missions.vehicle = options.problem.plant.vehicle;
   require_sane(kVerb, options.missions);
   const MissionRequirements requirements = mission_requirements(kVerb, options.missions);
@@ -97,12 +97,12 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   const LqrDesign design = make_design(problem, plant.model.plant.states, plant.model.plant.inputs);
   if (standard && (problem.plant.convention != "ned" || problem.plant.states != "full"))
     refuse(kVerb, "--Q",
-           "expected --Q and --R beside --convention or --states, because weights by Bryson's rule "
-           "are of all states in ned");
+           "expected --Q and --R with --convention or --states, because weights by Bryson's rule "
+           "are those of all states in ned");
   if (design.dt == 0)
     refuse(kVerb, "--method",
-           "--method continuous came, expected discrete or sampled because the gains are flown by "
-           "a computer");
+           "--method is continuous, expected discrete or sampled, because the gains run on a "
+           "computer");
   run_mission_tuning(kVerb, lqr_tuning(std::move(plant), design, standard, options.separate),
                      requirements, options.missions, context);
 }
@@ -117,7 +117,8 @@ GainMatchOptions match_options(const Options& options, const Context& context) {
   return settings;
 }
 
-/// Writes what was found, prints it, and says no where that is not the gain.
+/// Writes and prints the result.
+/// @throws AnswerIsNo  if no weights give the gain
 void tell(const GainMatchReport& report, const Options& options, Context& context) {
   const GainMatch& match = report.match;
   const bool matched = match.status == GainMatchStatus::matched;
@@ -128,17 +129,17 @@ void tell(const GainMatchReport& report, const Options& options, Context& contex
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   if (!matched)
     throw AnswerIsNo(
-        fmt::format("tune: {}: no diagonal weights{} were found that give this gain: the nearest "
-                    "leave {:.3g} at {}, tolerance {:.3g}",
-                    options.gains, options.ties.empty() ? "" : " so tied", match.after, match.worst,
-                    options.tolerance));
+        fmt::format("tune: {}: no diagonal weights{} give this gain: the best ones leave a "
+                    "difference of {:.3g} at {}, tolerance {:.3g}",
+                    options.gains, options.ties.empty() ? "" : " with these ties", match.after,
+                    match.worst, options.tolerance));
 }
 
 void run_match(const CommandLine& line, Options& options, Context& context) {
   line.refuse_given(
       {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"},
-      "is for missions, expected none beside --match-gains");
+      "is for missions and cannot be combined with --match-gains");
   if (!(options.tolerance > 0))
     refuse(kVerb, "--tolerance", "--tolerance is {}, expected a positive number",
            options.tolerance);
@@ -147,7 +148,7 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
   if (given.gains.memory)
     throw InvalidInput(options.gains,
                        "the law feeds back its past commands, expected a matrix on the states and "
-                       "their integrals, because weights are sought on the textbook plant");
+                       "their integrals, because the weights are computed on the ideal plant");
   LqrArguments& problem = options.problem;
   problem.verb = kVerb;
   complete(line, given, problem);
@@ -181,35 +182,37 @@ void run_tune_lqr(const CommandLine& line, Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   add_plant_options(line, options.problem.plant);
   line.add_option("--match-gains FILE", options.gains,
-                  "find weights whose gain is this one: an export, a file of gains, or a design "
-                  "with [published] gains; options that are absent are as there");
+                  "compute weights that give this gain: an export, a file of gains, or a design "
+                  "with [published] gains; absent options take their values from it");
   line.add_option("--Q LIST", options.problem.Q,
-                  "where the search begins: a list, integrals last; one number stands for all, 1 "
-                  "if absent; a weight of 0 stays 0");
-  line.add_option(
-      "--R LIST", options.problem.R,
-      "likewise of the inputs; its geometric mean stays, as a gain tells weights up to a factor");
+                  "start of the search: a list with the integrals last; a single number applies to "
+                  "all; default 1; a weight of 0 stays 0");
+  line.add_option("--R LIST", options.problem.R,
+                  "likewise for the inputs; its geometric mean is kept, because a gain determines "
+                  "the weights only up to a factor");
   line.add_option("--integral LIST", options.problem.integral, "states to integrate");
   line.add_option("--method NAME", options.problem.method,
                   "continuous (default with --match-gains), discrete (weights per step) or sampled "
                   "(exact cost; default over missions)");
   line.add_number("--dt T", options.problem.dt, "sample period [s]");
   line.add_list("--tie LIST", options.ties,
-                "states, integrals as int_x, or inputs of one weight; several: repeat the option");
+                "states, integrals (as int_x) or inputs that share one weight; repeat the option "
+                "for several");
   line.add_number("--tolerance SHARE", options.tolerance,
-                  "greatest difference of an entry, over its row's or column's largest, that "
-                  "counts as matched; 0.001");
-  line.add_count("--starts N", options.starts, 1, "searches from different starts at most; 8");
+                  "largest difference of an entry, relative to its row's or column's largest, that "
+                  "counts as matched; default 0.001");
+  line.add_count("--starts N", options.starts, 1,
+                 "maximum number of searches from different starts; default 8");
   add_mission_tuning_options(line, options.missions);
   line.add_flag("--separate", options.separate,
-                "over missions: weights of x and y, roll and pitch each for itself");
+                "over missions: tune the weights of x and y, and of roll and pitch, separately");
 }
 
 }  // namespace
 
 Verb tune_lqr_verb() {
   return {kVerb, "V --mission NAME [options]   or   V --match-gains FILE [options]",
-          "search LQR weights over missions, or those whose gain is a given one",
+          "search LQR weights over missions, or compute the weights that give a gain",
           "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
           with_options(add_options, run_tune_lqr)};
 }

@@ -20,8 +20,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.tuning.vehicle, "a built-in vehicle or a vehicle file");
   add_mission_tuning_options(line, options.tuning);
   line.add_option("--gains WHICH", options.gains,
-                  "where it begins: designed (default), published or a file of gains");
-  line.add_flag("--separate", options.separate, "tune x and y, pitch and roll each for itself");
+                  "start of the search: designed (default), published or a file of gains");
+  line.add_flag("--separate", options.separate, "tune x and y, and pitch and roll, separately");
 }
 
 void run_tune_pid(Options& options, Context& context) {
@@ -38,7 +38,7 @@ void run_tune_pid(Options& options, Context& context) {
 
 Verb tune_pid_verb() {
   return {"tune pid", "V --mission NAME [options]",
-          "search PID gains over missions, and prove them on fresh draws",
+          "search PID gains over missions, and validate them on fresh draws",
           "quadtune tune pid mambo --mission step-north --evaluations 100",
           with_options(add_options, run_tune_pid)};
 }

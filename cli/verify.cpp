@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune verify: an export, read back as the flight program would.
+/// quadtune verify: reads an export back as the flight program would.
 #include <fmt/format.h>
 
 #include "arguments/flight_arguments.hpp"
@@ -21,11 +21,10 @@ struct Options {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.directory, "an export's directory");
   line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle, where the manifest's is not built in");
+                  "the vehicle, if that of the manifest is not built in");
   line.add_option("--design FILE", options.design,
-                  "the design file that the export was made from, to solve it again and compare");
-  line.add_flag("--arm", options.arm,
-                "compile flight code for ARM as well and run it under qemu-arm");
+                  "design file of the export, to solve it again and compare");
+  line.add_flag("--arm", options.arm, "also compile flight code for ARM and run it under qemu-arm");
 }
 
 void run_verify(Options& options, Context& context) {

@@ -30,14 +30,14 @@ double spectral_radius(const MatrixXd& A) {
   return A.rows() > 0 ? A.eigenvalues().cwiseAbs().maxCoeff() : 0;
 }
 
-/// By which share of its size s has moved, if it became z.
+/// The relative error of a pole s that became z.
 double moved(Complex s, Complex z, double dt) {
   const double size = std::abs(s) * dt;
   const double distance = std::abs(std::log(z * std::exp(-s * dt)));
   return size > 0 ? distance / size : distance / dt;
 }
 
-/// The nearest of `sampled` to s.
+/// The smallest relative error between s and any pole of `sampled`.
 double nearest_of(Complex s, const VectorXcd& sampled, double dt) {
   double nearest = kInfinity;
   for (const Complex& z : sampled)
@@ -45,8 +45,8 @@ double nearest_of(Complex s, const VectorXcd& sampled, double dt) {
   return nearest;
 }
 
-/// Each pole with the nearest of the others, both ways. What dies within a sample to less than the
-/// root of rounding, or is a delay, is known to no digit and stands for none.
+/// Matches each pole with the nearest pole of the other system, in both directions. Poles that
+/// decay to less than 1e-6 within a sample, and delays, have no accurate digits and are excluded.
 double pole_error(const VectorXcd& continuous, const VectorXcd& sampled, double dt) {
   constexpr double kGone = 1e-6;
   double error = 0;
@@ -61,13 +61,13 @@ double pole_error(const VectorXcd& continuous, const VectorXcd& sampled, double 
   return error;
 }
 
-/// Answers of every channel to a step of its own input.
+/// Responses of every channel to a step of its own input.
 class Steps {
  public:
   explicit Steps(const DiscreteLti& plant)
       : plant_(plant), x_(MatrixXd::Zero(plant.A.rows(), plant.B.cols())) {}
 
-  /// The outputs of this sample; then on to the next.
+  /// Returns the outputs of this sample and advances to the next.
   Eigen::VectorXd next() {
     const Index channels = plant_.B.cols();
     Eigen::VectorXd y(channels);
@@ -79,14 +79,14 @@ class Steps {
 
  private:
   const DiscreteLti& plant_;
-  MatrixXd x_;  ///< a column for each channel's step
+  MatrixXd x_;  ///< one column per channel
 };
 
 double step_error(const ContinuousLti& loop, const DiscreteLti& sampled, double slowest) {
   const DiscreteLti exact = discretize_zoh(loop, sampled.dt);
   constexpr double kDied = 7;  // time constants: 1e-3
-  constexpr double kMost = 20000;
-  const double samples = std::clamp(std::ceil(kDied / (slowest * sampled.dt)), 10.0, kMost);
+  constexpr double kMax = 20000;
+  const double samples = std::clamp(std::ceil(kDied / (slowest * sampled.dt)), 10.0, kMax);
   Steps here(sampled);
   Steps there(exact);
   const Index channels = loop.B.cols();
@@ -118,7 +118,7 @@ double frequency_error(const ContinuousLti& loop, const DiscreteLti& sampled, do
   return (error.array() / size.array()).maxCoeff();
 }
 
-/// States that `from` reaches along the entries of A.
+/// The states that can be reached from `from` through nonzero entries of A.
 std::vector<bool> reached(const Eigen::Matrix<bool, -1, -1>& linked, std::vector<bool> from) {
   bool changed = true;
   while (changed) {
@@ -135,7 +135,7 @@ std::vector<bool> reached(const Eigen::Matrix<bool, -1, -1>& linked, std::vector
   return from;
 }
 
-/// Entries that are more than rounding.
+/// The entries that exceed rounding.
 Eigen::Matrix<bool, -1, -1> pattern(const MatrixXd& M) {
   const double rounding =
       M.size() > 0 ? std::numeric_limits<double>::epsilon() * M.cwiseAbs().maxCoeff() : 0;
@@ -149,7 +149,7 @@ std::vector<bool> as_list(const Eigen::Matrix<bool, -1, -1>& entries) {
   return list;
 }
 
-/// Systems side by side.
+/// Combines systems in parallel without coupling.
 DiscreteLti beside(const std::vector<DiscreteLti>& parts, double dt) {
   Index n = 0;
   for (const DiscreteLti& part : parts) n += part.A.rows();
@@ -180,7 +180,7 @@ ContinuousLti channel_of(const ContinuousLti& plant, Index input, Index output) 
   const MatrixXd C =
       plant.C.size() > 0 ? plant.C : MatrixXd::Identity(plant.A.rows(), plant.A.rows());
   if (input < 0 || input >= plant.B.cols() || output < 0 || output >= C.rows())
-    throw InvalidInput(kWhere, fmt::format("input {} and output {} were asked for, expected less "
+    throw InvalidInput(kWhere, fmt::format("input {} and output {} do not exist, expected less "
                                            "than {} and {}",
                                            input, output, plant.B.cols(), C.rows()));
   const Eigen::Matrix<bool, -1, -1> linked = pattern(plant.A);
@@ -190,7 +190,8 @@ ContinuousLti channel_of(const ContinuousLti& plant, Index input, Index output) 
   std::vector<Index> kept;
   for (Index i = 0; i < plant.A.rows(); ++i)
     if (driven[static_cast<std::size_t>(i)] && seen[static_cast<std::size_t>(i)]) kept.push_back(i);
-  if (kept.empty()) kept.push_back(0);  // nothing goes through; a state there must be
+  /// No state is both reached and observed, but a system must have a state.
+  if (kept.empty()) kept.push_back(0);
   ContinuousLti channel;
   channel.A = plant.A(kept, kept);
   channel.B = plant.B(kept, std::vector{input});
@@ -218,13 +219,13 @@ SamplingError sampling_error(const ContinuousLti& loop, const DiscreteLti& sampl
   if (loop.C.rows() != channels || sampled.B.cols() != channels || sampled.C.rows() != channels)
     throw InvalidInput(kWhere,
                        fmt::format("{} inputs and {} outputs, sampled {} and {}, expected "
-                                   "as many of all",
+                                   "four equal numbers",
                                    channels, loop.C.rows(), sampled.B.cols(), sampled.C.rows()));
   const VectorXcd poles = loop.A.eigenvalues();
   const double slowest = -poles.real().maxCoeff();
   if (!(slowest > 0))
     throw InvalidInput(kWhere, fmt::format("a pole has real part {:.3g}, expected less than 0 "
-                                           "because errors of growing answers say nothing",
+                                           "because errors of unstable responses are meaningless",
                                            -slowest));
   const VectorXcd z = sampled.A.eigenvalues();
   SamplingError error;

@@ -27,7 +27,7 @@ struct Method {
   DiscreteLti (*run)(const ContinuousLti&, double, const Options&);
 };
 
-// Every method alike; what it has no use for has been refused before.
+// Adapts a method without options; options that do not apply have been rejected before.
 template <DiscreteLti (*discretize_by)(const ContinuousLti&, double)>
 DiscreteLti plain(const ContinuousLti& plant, double dt, const Options&) {
   return discretize_by(plant, dt);
@@ -50,7 +50,7 @@ constexpr Method kMethods[] = {
 const Method& entry(DiscretizationMethod method) {
   for (const Method& known : kMethods)
     if (known.method == method) return known;
-  throw InvalidInput("discretize", fmt::format("no method number {}, expected a named one",
+  throw InvalidInput("discretize", fmt::format("no method number {}, expected an enumerator",
                                                static_cast<int>(method)));
 }
 
@@ -61,8 +61,8 @@ namespace internal {
 void refuse_prewarp(DiscretizationMethod method, const std::optional<double>& prewarp) {
   if (prewarp && method != DiscretizationMethod::tustin)
     throw InvalidInput(to_string(method),
-                       fmt::format("prewarp is {:.6g} rad/s, expected none because only tustin "
-                                   "bends frequencies in a way that this undoes",
+                       fmt::format("prewarp is {:.6g} rad/s, expected no prewarping because "
+                                   "only tustin supports it",
                                    *prewarp));
 }
 

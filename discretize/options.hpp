@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What both directions refuse about their options.
+/// Checks of options that both directions of conversion share.
 #pragma once
 
 #include <optional>

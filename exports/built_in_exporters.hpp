@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The exporters that come with quadtune.
+/// The built-in exporters.
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@ namespace quadtune::exports {
 [[nodiscard]] Exporter json_exporter();
 [[nodiscard]] Exporter mat_exporter();
 [[nodiscard]] Exporter flight_code_exporter();
-/// Those of firmware_kind().
+/// One exporter for each FirmwareKind.
 [[nodiscard]] std::vector<Exporter> firmware_exporters();
 
-/// The file of the Mambo's gains.
+/// The name of the file with the Mambo's gains.
 inline constexpr char kControllerVars[] = "controllerVars.m";
 /// The format of gains.json.
 inline constexpr char kGainsFormat[] = "quadtune-gains";

@@ -8,7 +8,7 @@
 namespace quadtune {
 namespace {
 
-// Where the columns of the target come from, and with which sign.
+// For each column of the target, its column in the source and its sign.
 struct Map {
   std::vector<int> source;
   std::vector<double> sign;
@@ -22,7 +22,7 @@ Eigen::Index row_of(const std::string& name, const Convention& convention) {
                                                   name, convention.name, names(convention.states)));
 }
 
-// The wrench of a convention from inputs that are named in another order.
+// The matrix that orders inputs as the wrench of a convention.
 Eigen::MatrixXd order_of(const std::vector<Signal>& inputs, const Convention& convention) {
   const auto n = static_cast<Eigen::Index>(convention.wrench.size());
   Eigen::MatrixXd order = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(inputs.size()));
@@ -89,7 +89,7 @@ Gains in_convention(const Gains& gains, const Convention& target, SignLaw sign_l
   result.K_int = law * map_columns(gains.K_int, integrals);
   result.x0 = map_columns(gains.x0.transpose(), states).transpose();
   if (gains.input_kind == InputKind::wrench) {
-    // u_to = W u_from, with u_from in whatever order the gains name it
+    // u_to = W u_from, with u_from in the order of the gains
     const Eigen::MatrixXd W = target.wrench_from_ned * source.wrench_from_ned.transpose() *
                               order_of(gains.inputs, source);
     result.inputs = target.wrench;

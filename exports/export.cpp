@@ -62,7 +62,7 @@ Manifest make_manifest(const Exporter& exporter, const ExportContent& content,
   return manifest;
 }
 
-// What an earlier export of ours left in the directory. Files that no manifest lists are not ours.
+// Files that an earlier export of ours left in the directory. Files in no manifest are not ours.
 std::vector<std::string> left_behind(const std::filesystem::path& directory,
                                      const std::vector<FileContent>& files) {
   std::vector<std::string> stale;
@@ -74,13 +74,13 @@ std::vector<std::string> left_behind(const std::filesystem::path& directory,
                        [&](const FileContent& file) { return file.name == old.path; }))
         stale.push_back(old.path);
   } catch (const InvalidInput&) {
-    // A manifest that does not parse lists nothing of ours; it is replaced.
+    // A malformed manifest lists no file of ours; it is replaced.
   }
   return stale;
 }
 
-/// Loops in their usual order, with the units and outputs that belong to their names: what reads
-/// the files takes both for granted.
+/// Puts the loops into their usual order and gives them the units and outputs of their names: the
+/// readers of the files assume both.
 ExportContent in_usual_words(ExportContent content) {
   if (!content.cascade) return content;
   std::vector<PidLoop>& loops = content.cascade->gains.loops;

@@ -64,7 +64,7 @@ class Sha256 {
 
  private:
   static void require(bool done) {
-    if (!done) throw std::runtime_error("sha256: libcrypto refused");
+    if (!done) throw std::runtime_error("sha256: libcrypto failed");
   }
 
   EVP_MD_CTX* context_;
@@ -84,7 +84,7 @@ class MadeDirectories {
  public:
   explicit MadeDirectories(const fs::path& directory) {
     std::vector<fs::path> missing;
-    std::error_code ignored;  // what cannot be looked at is left to open(), which has the reason
+    std::error_code ignored;  // open() reports the reason
     for (fs::path p = directory;
          !p.empty() && fs::symlink_status(p, ignored).type() == fs::file_type::not_found;
          p = p.parent_path())
@@ -120,7 +120,7 @@ class MadeDirectories {
   bool kept_ = false;
 };
 
-// The temporaries and the exchanges made so far; what is not committed is undone.
+// The temporary files and exchanges so far; they are undone unless committed.
 class Transaction {
  public:
   Transaction(const fs::path& directory, int fd) : directory_(directory), fd_(fd) {}
@@ -132,11 +132,11 @@ class Transaction {
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
 
-  /// @param ask  called between pieces; what it throws leaves nothing behind
+  /// @param ask  called between blocks; may throw, which leaves no file behind
   void write_temporary(const FileContent& file, const std::function<void()>& ask) {
     constexpr std::size_t kPiece = std::size_t{1} << 22;
     const std::string name = temporary(file.name);
-    ::unlinkat(fd_, name.c_str(), 0);  // left by a crash; the lock says that nobody writes it now
+    ::unlinkat(fd_, name.c_str(), 0);  // left by a crash; under the lock, nobody writes it
     Descriptor out(
         ::openat(fd_, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
     if (out.get() < 0) fail(directory_ / file.name, errno);
@@ -160,7 +160,7 @@ class Transaction {
                ::renameat2(fd_, from.c_str(), fd_, name.c_str(), RENAME_NOREPLACE) == 0) {
       exchanged_.push_back({name, Step::created});
     } else if (errno == EINVAL || errno == ENOSYS) {
-      // A file system without exchange: the plain rename is atomic too, but cannot be undone.
+      // A file system without exchange: plain rename() is atomic too, but cannot be undone.
       if (::renameat(fd_, from.c_str(), fd_, name.c_str()) != 0) fail(directory_ / name, errno);
     } else {
       fail(directory_ / name, errno);
@@ -170,7 +170,7 @@ class Transaction {
   void take_away(const std::string& name) {
     struct stat info {};
     if (::fstatat(fd_, name.c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
-      return;  // gone already, or never a file of ours
+      return;  // already deleted, or not a file of ours
     const std::string to = temporary(name);
     if (::renameat(fd_, name.c_str(), fd_, to.c_str()) == 0) {
       exchanged_.push_back({name, Step::taken});
@@ -208,9 +208,9 @@ class Transaction {
   bool committed_ = false;
 };
 
-// Temporaries of writers that were killed, under names that no file of this set has. Only for who
-// holds the directory's lock: then no writer uses them. What cannot be removed is no error, as the
-// new files are complete.
+// Removes temporary files of killed writers whose names are not in this set. Requires the lock of
+// the directory, which ensures that no writer uses them. Failures are ignored, because the new
+// files are complete.
 void remove_left_temporaries(int fd, const fs::path& directory) {
   std::error_code error;
   std::vector<std::string> left;
@@ -230,7 +230,7 @@ void require_plain_names(const std::vector<FileContent>& files) {
   for (const FileContent& file : files)
     if (file.name.empty() || file.name == "." || file.name == ".." ||
         file.name.find('/') != std::string::npos || !seen.insert(file.name).second)
-      throw InvalidInput("write_files", fmt::format("'{}' is no file name or is given twice, "
+      throw InvalidInput("write_files", fmt::format("'{}' is not a file name or occurs twice, "
                                                     "expected distinct names without a slash",
                                                     file.name));
 }
@@ -250,16 +250,16 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
     if (interrupted && interrupted()) throw Interrupted();
   };
   stop_if_interrupted();
-  // "out/" and "out" are the same directory; only the second has it as its last part.
+  // "out/" and "out" are the same directory; only the second has a file name.
   const fs::path path = directory.has_filename() ? directory : directory.parent_path();
   MadeDirectories made(path);
   const Descriptor fd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() < 0)
     fail(path, errno, errno == ENOTDIR ? "is a file, expected a directory to write into: " : "");
-  // Two writers at once would mix their temporaries. File systems without locks go unguarded.
+  // Excludes concurrent writers; file systems without locks are not protected.
   const bool locked = ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0;
   if (!locked && errno == EWOULDBLOCK)
-    throw FileError(path.string(), "another quadtune is writing here");
+    throw FileError(path.string(), "another quadtune process is writing to it");
 
   Transaction transaction(path, fd.get());
   for (const FileContent& file : files) {
@@ -267,7 +267,7 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
     stop_if_interrupted();
     transaction.write_temporary(file, stop_if_interrupted);
   }
-  stop_if_interrupted();  // the last chance: from here on it is a few renames
+  stop_if_interrupted();  // last chance: only a few renames follow
   for (const FileContent& file : files) transaction.put_in_place(file.name);
   for (const std::string& name : stale) transaction.take_away(name);
   made.sync();

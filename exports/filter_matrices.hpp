@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The matrices of a Kalman filter by the names that files have for them.
+/// The matrices of a Kalman filter by their names in files.
 #pragma once
 
 #include "quadtune/filter.hpp"
 
 namespace quadtune::exports {
 
-/// Calls f("A", matrix) for each, in the order of the files. Shapes: KalmanFilter.
+/// Calls f("A", matrix) for each matrix, in the order of the files. Shapes: KalmanFilter.
 /// @tparam Filter  KalmanFilter or const KalmanFilter
 template <class Filter, class Function>
 void each_matrix(Filter& filter, const Function& f) {

@@ -25,7 +25,7 @@ StoredLaws laws_of_manifest(const Manifest& manifest) {
   return {manifest.vehicle, manifest.gains, manifest.cascade};
 }
 
-// The exporters that were added may know a file better than those that come with quadtune.
+// Exporters that were added have priority over the built-in ones.
 std::optional<StoredLaws> read_plain(const fs::path& path) {
   for (auto exporter = exporters().rbegin(); exporter != exporters().rend(); ++exporter)
     if (exporter->read_plain)
@@ -40,7 +40,7 @@ StoredLaws read_export(const fs::path& directory, const Manifest& manifest) {
 StoredLaws read_directory(const fs::path& path) {
   if (fs::exists(path / kManifestName)) return read_export(path, read_manifest(path));
   if (std::optional<StoredLaws> laws = read_plain(path)) return *std::move(laws);
-  throw InvalidInput(path.string(), "holds no gains of any exporter, expected those of one");
+  throw InvalidInput(path.string(), "has no gain files of any exporter");
 }
 
 std::optional<Manifest> manifest_of(const fs::path& path) {
@@ -53,7 +53,7 @@ std::optional<Manifest> manifest_of(const fs::path& path) {
 
 StoredLaws read_file(const fs::path& path) {
   if (const std::optional<Manifest> manifest = manifest_of(path)) {
-    // Its folder holds more than it does, such as the estimator.
+    // Its folder has more than the manifest, such as the estimator.
     if (path.filename() == kManifestName && manifest->kind == ExportKind::json &&
         fs::exists(path.parent_path() / kGainsJsonName))
       return read_export(path.parent_path(), *manifest);
@@ -62,10 +62,11 @@ StoredLaws read_file(const fs::path& path) {
   if (std::optional<StoredLaws> laws = read_plain(path)) return *std::move(laws);
   throw InvalidInput(
       path.string(),
-      fmt::format("is no file of gains, expected gains.json, manifest.json, {}, one of uquad ({}, "
-                  "…), or what `quadtune lqr` or `pid` writes as JSON: with --json, or into a name "
-                  "that ends in .json",
-                  exports::kControllerVars, uquad_file_sets().front().proportional));
+      fmt::format(
+          "is not a gain file; expected gains.json, manifest.json, {}, a gain file of uquad ({}, "
+          "…), or the JSON output of `quadtune lqr` or `pid` (--json, or -o with a name "
+          "that ends in .json)",
+          exports::kControllerVars, uquad_file_sets().front().proportional));
 }
 
 }  // namespace
@@ -81,10 +82,9 @@ StoredLaws read_laws(const fs::path& path) {
 Gains read_gains(const fs::path& path) {
   StoredLaws laws = read_laws(path);
   if (!laws.gains)
-    throw InvalidInput(path.string(),
-                       laws.cascade
-                           ? "holds a PID cascade and no state feedback, expected a state feedback"
-                           : "holds no control law, expected a state feedback");
+    throw InvalidInput(path.string(), laws.cascade
+                                          ? "has a PID cascade, but no state feedback"
+                                          : "has no control law; expected a state feedback");
   return std::move(*laws.gains);
 }
 

@@ -6,7 +6,7 @@ namespace quadtune {
 void take_numbers(const StoredEstimator& estimator, FlightSetup& setup) {
   if (estimator.general) setup.general_filter = estimator.general;
   if (!estimator.uquad) return;
-  // What the sensors decide stays.
+  // Settings that depend on the sensors are kept.
   const bool position = setup.uquad_filter.position;
   setup.uquad_filter = *estimator.uquad;
   setup.uquad_filter.position = position;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Design files: docs/formats.md says what they hold.
+// Reads design files, whose format is documented in docs/formats.md.
 #include "quadtune/design.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", internal::joined(words, " "));
 }
 
-// "lqr.Q": how messages call a key of a design.
+// The name of a key in messages, e.g. "lqr.Q".
 std::string dotted(const TomlTable& table, const std::string& key) {
   const std::string& title = table.title();
   if (title.empty()) return key;
@@ -44,8 +44,9 @@ std::string dotted(const TomlTable& table, const std::string& key) {
   return title.substr(1, title.size() - 2) + "." + key;
 }
 
-// A symmetric matrix of one row per name: a list is its diagonal, a list of lists is all of it.
-// @param names  of the rows, for messages: "inputs: w1 w2 w3 w4".
+// A symmetric matrix with one row per name; a list gives its diagonal, a list of lists the full
+// matrix.
+// @param names  names of the rows for messages: "inputs: w1 w2 w3 w4".
 Eigen::MatrixXd read_weight(const TomlTable& table, const std::string& key, Eigen::Index size,
                             const std::string& names, const Range& range) {
   const std::string name = dotted(table, key);
@@ -71,25 +72,25 @@ Eigen::MatrixXd read_shaped(const TomlTable& table, const std::string& key, Eige
   return M;
 }
 
-// Names of a list, each known and none twice.
+// A list of known, unique names.
 std::vector<std::string> read_names(const TomlTable& table, const std::string& key,
                                     const std::vector<std::string>& known) {
   std::vector<std::string> words = table.texts(key);
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (std::find(known.begin(), known.end(), words[i]) == known.end())
       throw InvalidInput(table.where(key),
-                         fmt::format("{} has '{}', expected some of {}{}", dotted(table, key),
+                         fmt::format("{} has '{}', expected names from {}{}", dotted(table, key),
                                      internal::printable(words[i]), joined(known),
                                      internal::did_you_mean(words[i], known)));
     if (std::find(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i), words[i]) !=
         words.begin() + static_cast<std::ptrdiff_t>(i))
-      throw InvalidInput(table.where(key), fmt::format("{} has '{}' twice, expected it once",
+      throw InvalidInput(table.where(key), fmt::format("{} lists '{}' twice, expected it once",
                                                        dotted(table, key), words[i]));
   }
   return words;
 }
 
-// All states but the horizontal position and velocity, which need a position sensor.
+// All states except horizontal position and velocity, which need a position sensor.
 std::vector<std::string> states_without_position(const Convention& convention) {
   std::vector<std::string> kept;
   for (Eigen::Index i = 0; i < 12; ++i) {
@@ -102,7 +103,7 @@ std::vector<std::string> states_without_position(const Convention& convention) {
   return kept;
 }
 
-// "full", "no-position" or a list of names.
+// Parses "full", "no-position" or a list of names.
 std::vector<std::string> read_states(const TomlTable& table, const Convention& convention) {
   std::vector<std::string> all = names_or_numbers(convention.states, std::ssize(convention.states));
   if (!table.has("states")) return all;
@@ -121,7 +122,7 @@ std::vector<std::string> read_states(const TomlTable& table, const Convention& c
                                  internal::did_you_mean(word, {"full", "no-position"})));
 }
 
-/// Whether [lqr] with plant = "flown" asks for a law that is a matrix.
+/// Whether [lqr] with plant = "flown" requests a law that is a plain matrix.
 bool is_matrix(const TomlTable& table) {
   const std::string word = table.text_or("structure", "dynamic");
   if (word != "matrix" && word != "dynamic")
@@ -132,12 +133,12 @@ bool is_matrix(const TomlTable& table) {
   return word == "matrix";
 }
 
-// A name, or a file relative to that of the design.
+// Resolves a registered name, or a file relative to the design's folder.
 const Convention& read_convention(const TomlTable& table, const std::filesystem::path& folder) {
   return named_convention(table.text_or("convention", "ned"), table.where("convention"), folder);
 }
 
-// [lqr] with plant = "flown".
+// Reads [lqr] with plant = "flown".
 LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) {
   LqiDesign lqi;
   if (is_matrix(table)) {
@@ -149,7 +150,7 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
                  {"R"},
                  {"Q_integral"},
                  {"dt", "s"}});
-    MatrixWords words;
+    MatrixConvention words;
     words.convention = read_convention(table, folder).name;
     if (table.has("inputs"))
       words.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
@@ -181,11 +182,11 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
                            "integrals: ", lqi.matrix ? Range::positive() : Range::not_negative());
   lqi.R = weights("R", inputs, "inputs: ", Range::positive());
   lqi.R_change = weights("change", inputs, "inputs: ", Range::not_negative());
-  if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMostPastCommands);
+  if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMaxPastCommands);
   return lqi;
 }
 
-/// "flown" or "ideal" of [lqr].
+/// Whether the plant of [lqr] is "flown" and not "ideal".
 bool on_flown_plant(const TomlTable& table) {
   const std::string plant = table.text_or("plant", "ideal");
   if (plant != "flown" && plant != "ideal")
@@ -224,8 +225,8 @@ LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle,
   const auto ni = static_cast<Eigen::Index>(lqr.integrals.size());
   if (ni == 0 && table.has("Q_integral"))
     throw InvalidInput(table.where("Q_integral"),
-                       "lqr.Q_integral weighs no integral, expected "
-                       "lqr.integral to name the integrated states");
+                       "lqr.Q_integral has no integrals to weight, expected "
+                       "lqr.integral to list the integrated states");
   lqr.Q_integral = ni == 0
                        ? Eigen::MatrixXd(0, 0)
                        : read_weight(table, "Q_integral", ni, "integrals: " + joined(lqr.integrals),
@@ -245,13 +246,14 @@ std::vector<Signal> read_signals(const TomlTable& table, const std::string& key)
   return signals;
 }
 
-/// Q and R of a tuned model, whose file is found beside the design.
+/// Reads Q and R from a tuned model, whose path is relative to the design's folder.
 void read_tuned(const TomlTable& table, const std::filesystem::path& folder, KalmanDesign& kalman) {
   for (const char* key : {"Q", "R"})
     if (table.has(key))
-      throw InvalidInput(table.where(key), fmt::format("{} stands beside tuned in {}, expected one "
-                                                       "of them, because tuned gives Q and R",
-                                                       key, table.title()));
+      throw InvalidInput(table.where(key),
+                         fmt::format("{} and tuned are both in {}, expected only one "
+                                     "of them because tuned provides Q and R",
+                                     key, table.title()));
   kalman.tuned = table.text("tuned");
   const std::string path = (folder / kalman.tuned).string();
   kalman.tuned_text = internal::read_text_file(path, internal::kTomlLimit);
@@ -322,11 +324,11 @@ EstimatorDesign read_estimator(const TomlTable& table, const std::filesystem::pa
   estimator.tuned_text = internal::read_text_file(path, internal::kTomlLimit);
   estimator.model = parse_filter_model(estimator.tuned_text, path);
   UquadFilterSettings<double> tried;
-  take_noise(estimator.model, table.where("tuned"), tried);
+  copy_noise(estimator.model, table.where("tuned"), tried);
   const std::string of = load_vehicle(estimator.model.vehicle).name;
   if (of != vehicle.name)
     throw InvalidInput(table.where("tuned"),
-                       fmt::format("the tuned model '{}' is of the vehicle '{}', expected '{}'",
+                       fmt::format("the tuned model '{}' is for the vehicle '{}', expected '{}'",
                                    estimator.model.name, of, vehicle.name));
   return estimator;
 }
@@ -348,8 +350,8 @@ CascadeDesign read_cascade(const TomlTable& table) {
     for (const std::string& name : cascade_axis_names())
       if (table.has(name))
         throw InvalidInput(table.where(name),
-                           fmt::format("[cascade] has gains of {} beside [cascade.design], "
-                                       "expected one or the other",
+                           fmt::format("[cascade] has gains of {} in addition to [cascade.design], "
+                                       "expected only one of them",
                                        name));
     cascade.gains.dt = table.number("dt_s", Range::positive());
     const CascadeSpecification asked =
@@ -359,8 +361,9 @@ CascadeDesign read_cascade(const TomlTable& table) {
       cascade.method = asked.method;
     }
     if (table.has("integrator"))
-      throw InvalidInput(table.where("integrator"),
-                         "[cascade] has an integrator beside [cascade.design], expected it there");
+      throw InvalidInput(
+          table.where("integrator"),
+          "[cascade] has an integrator in addition to [cascade.design]; move it there");
   } else {
     cascade.gains = internal::read_cascade_gains(table);
     if (table.has("integrator"))
@@ -372,7 +375,7 @@ CascadeDesign read_cascade(const TomlTable& table) {
       table.number_or("integrator_limit", cascade.integrator_limit, Range::positive());
   cascade.back_calculation = table.number_or("back_calculation_per_s", 0, Range::not_negative());
   cascade.takeoff_time = table.number_or("takeoff_time_s", 0, Range::not_negative());
-  // Gains that are designed here are flown by the law that they are designed for.
+  // Gains that are designed here are flown by the same law that the design assumes.
   const auto truth = [&](const char* key) {
     return table.has(key) ? table.truth(key) : wanted.has_value();
   };
@@ -399,15 +402,15 @@ FlightCondition read_trim(const TomlTable& table) {
     condition.radius = table.number("radius_m");
     if (condition.radius == 0)
       throw InvalidInput(table.where("radius_m"),
-                         "trim.radius_m is 0, expected more (to the "
-                         "right) or less (to the left)");
+                         "trim.radius_m is 0, expected a positive radius (right "
+                         "turn) or a negative one (left turn)");
   }
   if (condition.kind == FlightKind::spin) {
     condition.yaw_rate = table.number("yaw_rate_rad_per_s");
     if (condition.yaw_rate == 0)
       throw InvalidInput(table.where("yaw_rate_rad_per_s"),
-                         "trim.yaw_rate_rad_per_s is 0, expected more (to the right) or less (to "
-                         "the left)");
+                         "trim.yaw_rate_rad_per_s is 0, expected a positive rate (right turn) or a "
+                         "negative one (left turn)");
   }
   return condition;
 }
@@ -428,15 +431,16 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
     const ExportTarget& target = export_target(request.to, where);
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
-        throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
+        throw InvalidInput(where,
+                           "export to '" + request.to + "' is requested twice, expected once");
     const bool matrix = design.lqi && design.lqi->matrix;
     if (target.is_firmware && !design.cascade)
       throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected a "
-                                            "[cascade] table, because this firmware's laws have no "
-                                            "place for a state feedback",
+                                            "[cascade] table, because this firmware cannot fly "
+                                            "state feedback",
                                             request.to));
     if (!target.takes_memory && !target.is_firmware && design.lqi && !matrix)
-      throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
+      throw InvalidInput(where, fmt::format("export to '{}' cannot hold the past commands and "
                                             "lags of a law with lqr.plant 'flown', expected json, "
                                             "or lqr.structure 'matrix'",
                                             request.to));
@@ -446,14 +450,15 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
                                             request.to));
     for (const char* key : {"name", "precision", "law", "adapter"})
       if (request.to != "c" && !table.text_or(key, "").empty())
-        throw InvalidInput(table.where(key), fmt::format("export.{} is for an export to 'c', "
-                                                         "expected none for '{}'",
-                                                         key, request.to));
+        throw InvalidInput(table.where(key),
+                           fmt::format("export.{} applies only to an export to 'c', "
+                                       "expected no such key for '{}'",
+                                       key, request.to));
     for (const char* key : {"firmware", "setup", "filter_noise"})
       if (!target.is_firmware && table.has(key))
         throw InvalidInput(table.where(key),
-                           fmt::format("export.{} is for the parameters of a firmware, expected "
-                                       "none for '{}'",
+                           fmt::format("export.{} applies only to firmware parameters, expected "
+                                       "no such key for '{}'",
                                        key, request.to));
     request.firmware = {table.text_or("firmware", ""), table.text_or("setup", ""),
                         table.has("filter_noise") && table.truth("filter_noise")};
@@ -477,7 +482,7 @@ PublishedGains read_published(const TomlTable& table, const std::optional<LqrDes
   table.allow({{"source"}, {"note"}, {"K"}, {"K_int"}});
   if (!lqr)
     throw InvalidInput(table.where(),
-                       "[published] has nothing to be compared with, expected an "
+                       "[published] has no gains to be compared with, expected an "
                        "[lqr] table for the ideal plant");
   PublishedGains published;
   published.source = table.text("source");
@@ -507,12 +512,12 @@ Vehicle read_vehicle(const TomlTable& file, const std::filesystem::path& folder)
   const std::filesystem::path path = folder / word;
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) {
-    // A word without a slash could be taken for a name.
+    // A word without a slash could be interpreted as a built-in name.
     return load_vehicle(path.has_parent_path() ? path.string() : "./" + path.string());
   }
   throw InvalidInput(file.where("vehicle"),
                      fmt::format("no vehicle '{}' and no such file, expected {} or a vehicle file "
-                                 "beside the design{}",
+                                 "in the design's folder{}",
                                  internal::printable(word), internal::joined(known, ", "),
                                  internal::did_you_mean(word, known)));
 }
@@ -553,7 +558,7 @@ MissionRequest read_mission_request(const TomlTable& table, const Design& design
     throw InvalidInput(
         table.where("controller"),
         fmt::format("{} flies {}, but the file has no {}, expected the law that the "
-                    "mission is to prove",
+                    "mission tests",
                     table.title(), request.controller, cascade ? "[cascade]" : "[lqr]"));
   request.estimator = table.text_or("estimator", "");
   request.sensors = table.text_or("sensors", request.sensors);
@@ -606,16 +611,17 @@ Design parse_design(const std::string& text, const std::string& origin,
     design.kalman.push_back(read_kalman(table, folder));
     for (std::size_t i = 0; i + 1 < design.kalman.size(); ++i)
       if (design.kalman[i].name == design.kalman.back().name)
-        throw InvalidInput(table.where("name"), fmt::format("filter '{}' stands twice, expected "
-                                                            "names that differ",
-                                                            design.kalman[i].name));
+        throw InvalidInput(table.where("name"),
+                           fmt::format("filter '{}' is defined twice, expected "
+                                       "unique names",
+                                       design.kalman[i].name));
   }
   if (const auto table = file.maybe_table("estimator"))
     design.estimator = read_estimator(*table, folder, design.vehicle);
   if (const auto table = file.maybe_table("cascade")) design.cascade = read_cascade(*table);
   if (!has_feedback(design) && design.kalman.empty() && !design.cascade)
     throw InvalidInput(file.where(),
-                       "the file asks for nothing, expected [lqr], [[kalman]] or "
+                       "the file requests no design, expected [lqr], [[kalman]] or "
                        "[cascade]");
   if (const auto table = file.maybe_table("published"))
     design.published = read_published(*table, design.lqr);

@@ -17,8 +17,8 @@
 namespace quadtune {
 namespace {
 
-// Words of C99, names of other files of an export, and names whose header would be taken for one of
-// the C library.
+// C99 keywords, names of other files of an export, and names whose header would be mistaken for one
+// of the C library.
 constexpr std::array kTakenNames = {"auto",
                                     "break",
                                     "case",
@@ -134,15 +134,15 @@ void require_flight_code_name(const std::string& name, const std::string& where)
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   };
-  if (!name.empty() && name.size() <= kLongestFlightCodeName && name[0] >= 'a' && name[0] <= 'z' &&
+  if (!name.empty() && name.size() <= kMaxFlightCodeName && name[0] >= 'a' && name[0] <= 'z' &&
       std::all_of(name.begin(), name.end(), allowed) &&
       std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end())
     return;
   throw InvalidInput(
       where, fmt::format("'{}' cannot be the prefix of a C program, expected 1 to {} lower-case "
-                         "letters, digits and _, a letter first, and no word of C or header of its "
-                         "library",
-                         internal::printable(name), kLongestFlightCodeName));
+                         "letters, digits and _, starting with a letter, and neither a C keyword "
+                         "nor the name of a C library header",
+                         internal::printable(name), kMaxFlightCodeName));
 }
 
 void require_flight_code_law(const std::string& law, const std::string& where) {

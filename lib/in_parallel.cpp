@@ -15,14 +15,14 @@
 namespace quadtune::internal {
 namespace {
 
-/// What all threads share: the next part, and the failure that counts.
+/// The state that all threads share: the next part, and the failure to report.
 class Board {
  public:
   Board(std::size_t parts, const std::function<bool()>& interrupted)
       : parts_(parts), interrupted_(interrupted) {}
 
-  /// The next part, or `parts` when there is nothing left to do. Parts are given out in their
-  /// order, so that all below a failed one are done and the lowest failure is always the same.
+  /// The next part, or `parts` if none is left. Parts are assigned in ascending order, so that all
+  /// parts below a failed one are executed and the lowest failure is always the same.
   std::size_t take() {
     if (stop_.load()) return parts_;
     if (interrupted_ && interrupted_()) {
@@ -56,7 +56,7 @@ class Board {
   std::exception_ptr error_;
 };
 
-/// Whether this thread is one of several that share some work.
+/// Whether this thread is one of several that share a computation.
 thread_local bool shares_work = false;
 
 void work(Board& board, const std::function<PartWorker()>& make_worker) {
@@ -91,10 +91,10 @@ void in_parallel(std::size_t parts, std::size_t threads,
           work(board, make_worker);
         });
     } catch (const std::system_error&) {
-      // The system gives no more threads: those that there are do all of it.
+      // The system provides no more threads: the existing ones do all parts.
     }
     const bool before = std::exchange(shares_work, shares_work || count > 1);
-    work(board, make_worker);  // this thread is one of them; it throws nothing
+    work(board, make_worker);  // this thread takes part as well; work() does not throw
     shares_work = before;
   }
   board.rethrow();

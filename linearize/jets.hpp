@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Exact Jacobians by Ceres jets. Private to this folder: no public header knows of Ceres.
+/// Exact Jacobians with Ceres jets. Private to this folder: no public header includes Ceres.
 #pragma once
 
 #include <ceres/jet.h>
@@ -9,7 +9,7 @@
 
 namespace quadtune::internal {
 
-/// Derivatives are carried four at a time: one type to compile whatever the number of rotors.
+/// Derivatives are computed four at a time, so that one type serves any number of rotors.
 inline constexpr int kJetWidth = 4;
 using Jet = ceres::Jet<double, kJetWidth>;
 using JetVector = Eigen::Matrix<Jet, Eigen::Dynamic, 1>;
@@ -20,8 +20,8 @@ struct ValueAndJacobian {
   Eigen::MatrixXd jacobian;  ///< (rows × z.size())
 };
 
-/// @param f     takes a JetVector and returns a vector of `rows` jets.
-/// @param z     where; at least one entry.
+/// @param f     maps a JetVector to a vector of `rows` jets.
+/// @param z     the point of evaluation; at least one entry.
 template <class F>
 [[nodiscard]] ValueAndJacobian differentiate(const F& f, const Eigen::VectorXd& z,
                                              Eigen::Index rows) {

@@ -16,7 +16,7 @@ Decomposition decompose(const Eigen::MatrixXd& C) {
   return decomposition;
 }
 
-// Dykstra's method gets the bounds right that hold f; solving for the free entries gives them to
+// Dykstra's method identifies the active bounds; solving for the free entries makes them exact to
 // rounding.
 Eigen::VectorXd solve_free_entries(const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                                    const Eigen::VectorXd& low, const Eigen::VectorXd& high,
@@ -40,9 +40,9 @@ Eigen::VectorXd least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d) {
   return decompose(C).solve(d);
 }
 
-// Boyle and Dykstra 1986: projecting in turn on the plane C f = d and on the box, with the box's
-// last correction taken back first, converges to the projection of the start on what they share.
-// From 0 that is the shortest vector.
+// Boyle and Dykstra 1986: alternating projections on the plane C f = d and on the bounds, where the
+// last correction of the bounds is undone before each projection, converge to the projection of the
+// start on the intersection. From 0 this is the vector of least norm.
 Eigen::VectorXd bounded_least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                                    const Eigen::VectorXd& low, const Eigen::VectorXd& high) {
   constexpr int kMaxSweeps = 5000;

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The shortest vector that satisfies equations and bounds: how thrust is shared among rotors.
+/// The vector of least norm subject to equations and bounds, used to distribute thrust among
+/// rotors.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace quadtune::internal {
 
-/// Singular values below this share of the greatest count as zero.
+/// Singular values below this fraction of the largest count as zero.
 inline constexpr double kRankTolerance = 1e-9;
 
-/// argmin ‖f‖ over C f = d, in the least-squares sense where no f meets it.
+/// argmin ‖f‖ subject to C f = d, in the least-squares sense if no f satisfies it.
 [[nodiscard]] Eigen::VectorXd least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d);
 
-/// argmin ‖f‖ over C f = d and low ≤ f ≤ high, entry by entry. Where no such f exists the result is
-/// within the bounds but leaves C f - d ≠ 0.
+/// argmin ‖f‖ subject to C f = d and low ≤ f ≤ high, entry by entry. If no such f exists, the
+/// result satisfies the bounds but not C f = d.
 [[nodiscard]] Eigen::VectorXd bounded_least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                                                  const Eigen::VectorXd& low,
                                                  const Eigen::VectorXd& high);

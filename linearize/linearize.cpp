@@ -17,7 +17,7 @@ namespace {
 using internal::Jet;
 using internal::JetVector;
 
-// Entries of A below this share of the largest are rounding of the trim, not dependence.
+// Entries of A below this fraction of the largest are rounding errors of the trim.
 constexpr double kNoDependence = 1e-10;
 
 // The model in ned_convention() with all states.
@@ -91,8 +91,8 @@ NedModel by_inputs(const Vehicle& vehicle, const RigidBody& body, const TrimResu
   return model;
 }
 
-// In a turn the position's deviation e is measured along axes that turn with the heading:
-// e = Rz(-Ωt) δp, hence e' = Rz(-Ωt) δp' - Ω ẑ × e, and with that A no longer depends on time.
+// In a turn the position deviation e is expressed in axes that rotate with the heading:
+// e = Rz(-Ωt) δp, hence e' = Rz(-Ωt) δp' - Ω ẑ × e, which makes A independent of time.
 void turn_position_axes(double yaw_rate, NedModel& model) {
   model.A(kPosition, kPosition + 1) += yaw_rate;
   model.A(kPosition + 1, kPosition) -= yaw_rate;
@@ -103,11 +103,11 @@ std::vector<std::string> missing_states(const Eigen::MatrixXd& A,
                                         const std::vector<Signal>& states) {
   std::vector<bool> is_kept(12, false);
   for (const Eigen::Index i : kept) is_kept[static_cast<std::size_t>(i)] = true;
-  const double least = kNoDependence * A.cwiseAbs().maxCoeff();
+  const double min = kNoDependence * A.cwiseAbs().maxCoeff();
   std::vector<std::string> notes;
   for (const Eigen::Index i : kept)
     for (Eigen::Index j = 0; j < 12; ++j)
-      if (!is_kept[static_cast<std::size_t>(j)] && std::abs(A(i, j)) > least)
+      if (!is_kept[static_cast<std::size_t>(j)] && std::abs(A(i, j)) > min)
         notes.push_back(fmt::format("{} depends on {}, which is not among the states",
                                     states[static_cast<std::size_t>(i)].name,
                                     states[static_cast<std::size_t>(j)].name));
@@ -141,7 +141,7 @@ Linearizer::Linearizer(const Vehicle& vehicle, const LinearizeOptions& options) 
   const Convention& c = convention(options.convention, "linearize");
   kept_ = selected_states(c, options.states, "linearize");
   const int rotors = static_cast<int>(vehicle.rotors.size());
-  // Both maps are orthogonal before states are left out.
+  // Both maps are orthogonal as long as no states are left out.
   M_ = c.from_ned(kept_, Eigen::all);
   N_ = input_from_ned(c, options.inputs, rotors);
   unsolved_.convention = c.name;
@@ -169,8 +169,8 @@ const Linearization& Linearizer::at(const Vehicle& vehicle, const TrimResult& tr
   }
   if (trimmed.u.size() != std::ssize(vehicle.rotors))
     throw InvalidInput("linearize",
-                       fmt::format("the trim has {} rotor speeds, expected {} because the vehicle "
-                                   "has so many rotors",
+                       fmt::format("the trim has {} rotor speeds, expected {}, the number of the "
+                                   "vehicle's rotors",
                                    trimmed.u.size(), vehicle.rotors.size()));
   const RigidBody body(vehicle, trimmed.density_ratio);
   NedModel model = by_inputs(vehicle, body, trimmed, result_.input_kind);

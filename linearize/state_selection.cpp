@@ -11,7 +11,7 @@
 namespace quadtune {
 namespace {
 
-// px, py, u and v of ned_convention(): what only GPS or a camera tells.
+// Whether a state is px, py, u or v of ned_convention(), which only GPS or a camera measures.
 bool is_horizontal(const Convention& convention, Eigen::Index state) {
   for (const Eigen::Index ned : {0, 1, 6, 7})
     if (convention.from_ned(state, ned) != 0) return true;
@@ -22,9 +22,10 @@ Eigen::Index find(const std::vector<std::string>& known, const std::string& name
                   const Convention& convention, const std::string& where) {
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
-    throw InvalidInput(where, fmt::format("no state '{}' in convention '{}', expected some of {}{}",
-                                          name, convention.name, internal::joined(known, " "),
-                                          internal::did_you_mean(name, known)));
+    throw InvalidInput(
+        where, fmt::format("no state '{}' in convention '{}', expected names from {}{}", name,
+                           convention.name, internal::joined(known, " "),
+                           internal::did_you_mean(name, known)));
   return found - known.begin();
 }
 
@@ -42,9 +43,10 @@ StateSelection state_selection(const std::string& text, const std::string& where
     }
   }
   if (selection.names.empty())
-    throw InvalidInput(where, fmt::format("'{}' names no state, expected full, no-position or a "
-                                          "list of names",
-                                          text));
+    throw InvalidInput(where,
+                       fmt::format("'{}' does not name a state, expected full, no-position or a "
+                                   "list of names",
+                                   text));
   if (selection.names == std::vector<std::string>{"full"}) return {};
   if (selection.names == std::vector<std::string>{"no-position"})
     return {StateSelection::Kind::no_position, {}};
@@ -64,12 +66,13 @@ std::vector<Eigen::Index> selected_states(const Convention& convention,
     return selected;
   }
   if (selection.names.empty())
-    throw InvalidInput(where, fmt::format("the list of states is empty, expected some of {}",
+    throw InvalidInput(where, fmt::format("the list of states is empty, expected names from {}",
                                           internal::joined(known, " ")));
   for (const std::string& name : selection.names) {
     const Eigen::Index i = find(known, name, convention, where);
     if (std::find(selected.begin(), selected.end(), i) != selected.end())
-      throw InvalidInput(where, fmt::format("state '{}' is named twice, expected each once", name));
+      throw InvalidInput(where,
+                         fmt::format("state '{}' is listed twice, expected each once", name));
     selected.push_back(i);
   }
   return selected;

@@ -19,7 +19,7 @@ using internal::NewtonResult;
 using internal::RotorCurve;
 using internal::TrimProblem;
 
-// Speeds beyond a limit by less than this share of it are rounding.
+// Relative violations of a limit below this are rounding.
 constexpr double kAtLimit = 1e-9;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -39,28 +39,29 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
   require(std::isfinite(c.radius),
           fmt::format("radius is {} m, expected a finite number", c.radius));
   if (c.kind == FlightKind::hover)
-    require(c.speed == 0 && c.climb == 0,
-            fmt::format("a hover at speed {} m/s and climb {} m/s, expected 0 for both because a "
-                        "hover rests",
-                        c.speed, c.climb));
+    require(
+        c.speed == 0 && c.climb == 0,
+        fmt::format("the hover has speed {} m/s and climb {} m/s, expected 0 for both because a "
+                    "hover is stationary",
+                    c.speed, c.climb));
   if (c.kind == FlightKind::circle) {
     require(c.radius != 0,
             "radius is 0 m, expected a positive number (turns right) or a negative one (left)");
-    require(c.speed > 0, "speed is 0 m/s, expected a positive number because a circle is flown");
+    require(c.speed > 0, "speed is 0 m/s, expected a positive number for a circle");
   } else {
-    require(c.radius == 0, fmt::format("radius is {} m, expected none for a {}", c.radius, kind));
+    require(c.radius == 0, fmt::format("radius is {} m, expected 0 for a {}", c.radius, kind));
   }
   if (c.kind == FlightKind::spin) {
     require(c.yaw_rate != 0 && std::isfinite(c.yaw_rate),
             fmt::format("yaw rate is {} rad/s, expected a positive number (turns right) or a "
                         "negative one (left)",
                         c.yaw_rate));
-    require(c.speed == 0, fmt::format("speed is {} m/s, expected 0 because a spin stays on the "
-                                      "spot",
+    require(c.speed == 0, fmt::format("speed is {} m/s, expected 0 because a spin stays in "
+                                      "place",
                                       c.speed));
   } else {
     require(c.yaw_rate == 0,
-            fmt::format("yaw rate is {} rad/s, expected none for a {}{}", c.yaw_rate, kind,
+            fmt::format("yaw rate is {} rad/s, expected 0 for a {}{}", c.yaw_rate, kind,
                         c.kind == FlightKind::circle ? " because it is speed/radius" : ""));
   }
   require(vehicle.gravity > 0,
@@ -73,7 +74,7 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
           fmt::format("max_iterations is {}, expected at least 1", options.max_iterations));
 }
 
-std::string in_words(const FlightCondition& c) {
+std::string describe(const FlightCondition& c) {
   std::string words = to_string(c.kind);
   if (c.kind == FlightKind::circle) words += fmt::format(" of {:.4g} m", c.radius);
   if (c.kind == FlightKind::spin)
@@ -86,7 +87,7 @@ std::string in_words(const FlightCondition& c) {
 
 double tilt(const Eigen::VectorXd& z) { return std::acos(std::cos(z(0)) * std::cos(z(1))); }
 
-// Greatest violation of the limits, as a share of the limit's speed or thrust; ≤ kAtLimit: none.
+// The largest violation of the limits, relative to the limit's speed or thrust; ≤ kAtLimit: none.
 struct Violation {
   Eigen::Index rotor = 0;
   double by = 0;
@@ -98,28 +99,28 @@ Violation worst_violation(const TrimProblem& problem, const Eigen::VectorXd& z) 
   for (Eigen::Index i = 0; i < problem.rotors(); ++i) {
     const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(i)];
     const double thrust = z(2 + i) * problem.weight();
-    const double above = thrust / curve.greatest_thrust() - 1;
-    const double below = (curve.least_thrust() - thrust) / curve.greatest_thrust();
+    const double above = thrust / curve.max_thrust() - 1;
+    const double below = (curve.min_thrust() - thrust) / curve.max_thrust();
     if (above > worst.by) worst = {i, above, true};
     if (below > worst.by) worst = {i, below, false};
   }
   return worst;
 }
 
-double greatest_thrust(const TrimProblem& problem) {
+double max_thrust(const TrimProblem& problem) {
   double sum = 0;
-  for (const RotorCurve& curve : problem.curves()) sum += curve.greatest_thrust();
+  for (const RotorCurve& curve : problem.curves()) sum += curve.max_thrust();
   return sum;
 }
 
-// The balance is met at z, but not within the limits.
-void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+// Explains a balance at z that exceeds the limits.
+void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::VectorXd& z = found.z;
   const Violation worst = worst_violation(problem, z);
   const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(worst.rotor)];
   const double needed = z.tail(problem.rotors()).sum() * problem.weight();
-  const double available = greatest_thrust(problem);
-  const std::string flight = in_words(result.condition);
+  const double available = max_thrust(problem);
+  const std::string flight = describe(result.condition);
   const std::string leaning =
       tilt(z) * kDegrees < 0.05 ? "" : fmt::format(" a tilt of {:.1f}° and", tilt(z) * kDegrees);
   const double thrust = z(2 + worst.rotor) * problem.weight();
@@ -127,7 +128,7 @@ void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResul
     result.status = TrimStatus::not_enough_thrust;
     result.culprit = fmt::format(
         "{} needs{} {:.2f} N, the rotors give at most {:.2f} N at {:.0f} rad/s: {:.2f} N short",
-        flight, leaning, needed, available, curve.greatest_speed(), needed - available);
+        flight, leaning, needed, available, curve.max_speed(), needed - available);
     return;
   }
   result.status = worst.above ? TrimStatus::rotor_too_fast : TrimStatus::rotor_too_slow;
@@ -135,25 +136,25 @@ void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResul
                                leaning, needed, worst.rotor + 1);
   if (worst.above)
     result.culprit += fmt::format("turn at {:.1f} rad/s, limit {:.1f} rad/s: {:.1f} rad/s too fast",
-                                  curve.speed(thrust), curve.greatest_speed(),
-                                  curve.speed(thrust) - curve.greatest_speed());
+                                  curve.speed(thrust), curve.max_speed(),
+                                  curve.speed(thrust) - curve.max_speed());
   else if (thrust < 0)
     result.culprit +=
-        fmt::format("push down with {:.3g} N, it can only lift, with at least {:.3g} N", -thrust,
-                    curve.least_thrust());
+        fmt::format("push down with {:.3g} N, but it can only lift, with at least {:.3g} N",
+                    -thrust, curve.min_thrust());
   else
-    result.culprit += fmt::format("turn at {:.1f} rad/s, least {:.1f} rad/s: {:.1f} rad/s too slow",
-                                  curve.speed(thrust), curve.least_speed(),
-                                  curve.least_speed() - curve.speed(thrust));
+    result.culprit += fmt::format(
+        "turn at {:.1f} rad/s, minimum {:.1f} rad/s: {:.1f} rad/s too slow", curve.speed(thrust),
+        curve.min_speed(), curve.min_speed() - curve.speed(thrust));
 }
 
-// No balance was found: is it that thrusts which carry the weight cannot cancel the torques?
-void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+// Explains a missing balance: whether thrusts that carry the weight cannot cancel the torques.
+void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::Index n = problem.rotors();
   const TrimProblem at_rest = problem.slowed(0);
   const internal::ValueAndJacobian at = at_rest.balance(at_rest.first_guess());
   const Eigen::MatrixXd torques = at.jacobian.bottomRightCorner(3, n);
-  // Changes of thrust that keep the sum: I - 1 1ᵀ/n.
+  // Changes of thrust that preserve the sum: I - 1 1ᵀ/n.
   const Eigen::MatrixXd keep_sum = Eigen::MatrixXd::Identity(n, n) -
                                    Eigen::MatrixXd::Constant(n, n, 1.0 / static_cast<double>(n));
   const Eigen::MatrixXd M = torques * keep_sum;
@@ -164,17 +165,18 @@ void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimR
   static constexpr const char* kAxes[] = {"roll", "pitch", "yaw"};
   if (worst > 1e-6) {
     result.status = TrimStatus::no_authority;
-    result.culprit =
-        fmt::format("{} cannot be balanced: rotors that carry the weight leave {:.3g} N m about it",
-                    kAxes[axis], worst * problem.weight() * problem.arm());
+    result.culprit = fmt::format(
+        "{} cannot be balanced: rotors that carry the weight leave a torque of {:.3g} N m",
+        kAxes[axis], worst * problem.weight() * problem.arm());
     return;
   }
   result.status = TrimStatus::no_convergence;
   result.culprit = fmt::format("{}: Newton's method stopped at residual {:.2g} after {} steps",
-                               in_words(result.condition), found.residual, found.iterations);
+                               describe(result.condition), found.residual, found.iterations);
 }
 
-// Where Newton's method starts: what balances better of the first guess and the neighbour.
+// The start of Newton's method: the initial guess or the neighbour, whichever has the smaller
+// residual.
 Eigen::VectorXd start(const TrimProblem& problem, const TrimResult* neighbour) {
   Eigen::VectorXd guess = problem.first_guess();
   if (neighbour == nullptr || !neighbour->solved() || neighbour->thrust.size() != problem.rotors())
@@ -183,7 +185,7 @@ Eigen::VectorXd start(const TrimProblem& problem, const TrimResult* neighbour) {
   return problem.residual(near).norm() < problem.residual(guess).norm() ? near : guess;
 }
 
-// Straight to the flight, or from a hover to it in small steps where that fails.
+// Solves for the flight directly or, if that fails, in small steps starting from a hover.
 NewtonResult search(const TrimProblem& problem, const TrimOptions& options,
                     const TrimResult* neighbour) {
   NewtonResult found = newton(problem, start(problem, neighbour), options, false);
@@ -231,7 +233,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.condition = condition;
   result.density_ratio = options.density_ratio;
   result.yaw_rate = problem.yaw_rate();
-  result.thrust_to_weight = greatest_thrust(problem) / problem.weight();
+  result.thrust_to_weight = max_thrust(problem) / problem.weight();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   result.x = Eigen::VectorXd::Constant(12, nan);
   result.u = Eigen::VectorXd::Constant(problem.rotors(), nan);
@@ -241,7 +243,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.residual = unlimited.residual;
   result.iterations = unlimited.iterations;
   if (!(unlimited.residual <= options.tolerance)) {
-    tell_imbalance(problem, unlimited, result);
+    explain_imbalance(problem, unlimited, result);
     return result;
   }
   if (worst_violation(problem, unlimited.z).by <= kAtLimit) {
@@ -249,7 +251,8 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
     return result;
   }
   if (unlimited.freedom > 0) {
-    // More rotors than the balance needs: let those at a limit stay there and the others share.
+    // There are more rotors than the balance needs: fix those at a limit and let the others share
+    // the load.
     Eigen::VectorXd start = unlimited.z;
     start.tail(problem.rotors()) =
         start.tail(problem.rotors()).cwiseMax(problem.low()).cwiseMin(problem.high());
@@ -262,7 +265,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
       return result;
     }
   }
-  tell_limit(problem, unlimited, result);
+  explain_limit(problem, unlimited, result);
   return result;
 }
 

@@ -14,9 +14,9 @@
 namespace quadtune::internal {
 namespace {
 
-// A rotor below this share of its greatest speed stands.
+// A rotor below this fraction of its maximum speed counts as stopped.
 constexpr double kStandingSpeed = 1e-3;
-// A thrust curve with a1 < 0 starts at -a1/a2; the line takes over a little above.
+// A thrust curve with a1 < 0 starts at -a1/a2; the linear continuation begins slightly above.
 constexpr double kAboveZeroThrust = 1.05;
 
 double longest_arm(const Vehicle& vehicle) {
@@ -35,30 +35,30 @@ double yaw_rate_of(const FlightCondition& condition) {
 RotorCurve::RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio,
                        int number)
     : rotor_(rotor), density_ratio_(density_ratio) {
-  greatest_speed_ = speed_of_command(motor, motor.max);
-  greatest_thrust_ = rotor_thrust(rotor, greatest_speed_, density_ratio);
-  join_speed_ = kStandingSpeed * greatest_speed_;
+  max_speed_ = speed_of_command(motor, motor.max);
+  max_thrust_ = rotor_thrust(rotor, max_speed_, density_ratio);
+  join_speed_ = kStandingSpeed * max_speed_;
   if (rotor.thrust_a1 < 0)
     join_speed_ = std::max(join_speed_, -kAboveZeroThrust * rotor.thrust_a1 / rotor.thrust_a2);
-  if (!(rotor.thrust_a2 >= 0) || !(greatest_thrust_ > 0) || !std::isfinite(greatest_thrust_) ||
-      !(join_speed_ < greatest_speed_))
+  if (!(rotor.thrust_a2 >= 0) || !(max_thrust_ > 0) || !std::isfinite(max_thrust_) ||
+      !(join_speed_ < max_speed_))
     throw InvalidInput(
         fmt::format("rotor {}", number),
-        fmt::format("thrust {} w² + {} w is {} N at the greatest speed of {} rad/s, expected a "
-                    "thrust that rises up to there",
-                    rotor.thrust_a2, rotor.thrust_a1, greatest_thrust_, greatest_speed_));
+        fmt::format("thrust {} w² + {} w is {} N at the maximum speed of {} rad/s, expected a "
+                    "thrust that increases up to that speed",
+                    rotor.thrust_a2, rotor.thrust_a1, max_thrust_, max_speed_));
   join_thrust_ = rotor_thrust(rotor, join_speed_, density_ratio);
   slope_ = (2 * rotor.torque_d2 * join_speed_ + rotor.torque_d1) /
            (2 * rotor.thrust_a2 * join_speed_ + rotor.thrust_a1);
-  least_speed_ = std::max(join_speed_, speed_of_command(motor, motor.min));
-  least_thrust_ = rotor_thrust(rotor, least_speed_, density_ratio);
+  min_speed_ = std::max(join_speed_, speed_of_command(motor, motor.min));
+  min_thrust_ = rotor_thrust(rotor, min_speed_, density_ratio);
 }
 
 template <class T>
 T RotorCurve::speed(const T& thrust) const {
   using std::sqrt;
   if (thrust <= T(join_thrust_)) return T(join_speed_);
-  // The larger root of a2 w² + a1 w = T, written so that nothing cancels.
+  // The larger root of a2 w² + a1 w = T, in the form without cancellation.
   const T F = thrust / density_ratio_;
   const double a1 = rotor_.thrust_a1, a2 = rotor_.thrust_a2;
   const T root = sqrt(a1 * a1 + 4 * a2 * F);
@@ -87,14 +87,14 @@ TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& conditio
 Eigen::VectorXd TrimProblem::low() const {
   Eigen::VectorXd f(rotors());
   for (Eigen::Index i = 0; i < f.size(); ++i)
-    f(i) = curves_[static_cast<std::size_t>(i)].least_thrust() / weight();
+    f(i) = curves_[static_cast<std::size_t>(i)].min_thrust() / weight();
   return f;
 }
 
 Eigen::VectorXd TrimProblem::high() const {
   Eigen::VectorXd f(rotors());
   for (Eigen::Index i = 0; i < f.size(); ++i)
-    f(i) = curves_[static_cast<std::size_t>(i)].greatest_thrust() / weight();
+    f(i) = curves_[static_cast<std::size_t>(i)].max_thrust() / weight();
   return f;
 }
 
@@ -116,7 +116,7 @@ Eigen::VectorXd TrimProblem::first_guess() const {
 Eigen::VectorXd TrimProblem::guess_from(const TrimResult& neighbour) const {
   Eigen::VectorXd z(2 + rotors());
   z.head<2>() = neighbour.x.segment<2>(kAttitude);
-  // Shared as there, and enough to carry this weight at that attitude.
+  // The neighbour's distribution of thrust, scaled to carry this weight at that attitude.
   z.tail(rotors()) = neighbour.thrust / (neighbour.thrust.sum() * std::cos(z(0)) * std::cos(z(1)));
   return z;
 }
@@ -175,7 +175,7 @@ struct Step {
   Eigen::Index freedom;
 };
 
-// Four rotors leave no freedom: J dz = -r is one square system. False where it is singular.
+// With four rotors J dz = -r is a single square system. Returns false if it is singular.
 bool square_step(const ValueAndJacobian& at, Step& step) {
   const Eigen::PartialPivLU<Eigen::Matrix<double, 6, 6>> lu(at.jacobian);
   if (!(lu.rcond() > kRankTolerance)) return false;
@@ -184,8 +184,8 @@ bool square_step(const ValueAndJacobian& at, Step& step) {
   return true;
 }
 
-// Solves J_a da + J_f (f - f0) = -r: what roll and pitch cannot do (the complement of J_a's range)
-// fixes the thrusts f, of least norm; roll and pitch then take up the rest.
+// Solves J_a da + J_f (f - f0) = -r: the part outside the range of J_a determines the thrusts f, of
+// least norm; roll and pitch then solve for the rest.
 Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const ValueAndJacobian& at,
                  bool within_limits) {
   Step step;
@@ -210,9 +210,9 @@ Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const Val
 
 NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOptions& options,
                     bool within_limits) {
-  constexpr double kRounding = 1e-13;  // below this the balance is as good as it gets
-  constexpr double kStepDone = 1e-10;  // and the sharing of thrust has settled
-  constexpr double kLeastStep = 1e-6;  // share of a Newton step
+  constexpr double kRounding = 1e-13;  // smaller residuals cannot be improved
+  constexpr double kStepDone = 1e-10;  // the distribution of thrust has converged
+  constexpr double kMinStep = 1e-6;    // minimum fraction of a Newton step
   constexpr double kDecrease = 1e-4;   // sufficient decrease (Armijo)
   NewtonResult result;
   double merit = problem.residual(z).norm();
@@ -223,11 +223,11 @@ NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOpt
     ++result.iterations;
     double share = 1;
     double next = problem.residual(z + step.dz).norm();
-    while (!(next <= std::max((1 - kDecrease * share) * merit, kRounding)) && share > kLeastStep) {
+    while (!(next <= std::max((1 - kDecrease * share) * merit, kRounding)) && share > kMinStep) {
       share /= 2;
       next = problem.residual(z + share * step.dz).norm();
     }
-    if (share <= kLeastStep) break;
+    if (share <= kMinStep) break;
     z += share * step.dz;
     merit = next;
     if (merit <= kRounding && step.dz.norm() <= kStepDone) break;

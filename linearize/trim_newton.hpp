@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The equations of a steady flight and Newton's method on them; trim() judges what comes out.
+/// The equations of a steady flight and Newton's method for them; trim() interprets the result.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,19 +11,19 @@
 
 namespace quadtune::internal {
 
-/// One rotor's speed and drag torque as functions of its thrust. Below the least thrust that the
-/// rotor can hold they go on linearly, to negative thrusts as well, so that Newton's method can
-/// pass there and tell how far outside the limits a trim lies.
+/// Speed and drag torque of one rotor as functions of its thrust. Below the minimum thrust that the
+/// rotor can hold, they are continued linearly, to negative thrusts as well, so that Newton's
+/// method can pass through this range and report how far a trim is outside the limits.
 class RotorCurve {
  public:
-  /// @throws InvalidInput  if the thrust does not rise up to the greatest speed.
+  /// @throws InvalidInput  if the thrust does not increase up to the maximum speed.
   RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio, int number);
 
-  /// Thrust at the rotor's least and greatest speed [N].
-  [[nodiscard]] double least_thrust() const { return least_thrust_; }
-  [[nodiscard]] double greatest_thrust() const { return greatest_thrust_; }
-  [[nodiscard]] double least_speed() const { return least_speed_; }
-  [[nodiscard]] double greatest_speed() const { return greatest_speed_; }
+  /// Thrust at the rotor's minimum and maximum speed [N].
+  [[nodiscard]] double min_thrust() const { return min_thrust_; }
+  [[nodiscard]] double max_thrust() const { return max_thrust_; }
+  [[nodiscard]] double min_speed() const { return min_speed_; }
+  [[nodiscard]] double max_speed() const { return max_speed_; }
 
   template <class T>
   [[nodiscard]] T speed(const T& thrust) const;
@@ -33,14 +33,15 @@ class RotorCurve {
  private:
   Rotor rotor_;
   double density_ratio_;
-  double join_speed_;  // where the line takes over
+  double join_speed_;  // speed at which the linear continuation begins
   double join_thrust_;
   double slope_;  // dQ/dT there
-  double least_speed_, greatest_speed_;
-  double least_thrust_, greatest_thrust_;
+  double min_speed_, max_speed_;
+  double min_thrust_, max_thrust_;
 };
 
-/// Roll, pitch and thrusts over the weight, (2 + n), of a flight with the given motion.
+/// The equations of a flight with the given motion. Unknowns z: roll, pitch and the thrusts divided
+/// by the weight, (2 + n).
 class TrimProblem {
  public:
   TrimProblem(const Vehicle& vehicle, const FlightCondition& condition, double density_ratio);
@@ -52,23 +53,23 @@ class TrimProblem {
   [[nodiscard]] double arm() const { return arm_; }
   [[nodiscard]] double yaw_rate() const { return yaw_rate_; }
 
-  /// Bounds of the thrusts over the weight, from the motors' limits.
+  /// Bounds of the thrusts divided by the weight, from the motors' limits.
   [[nodiscard]] Eigen::VectorXd low() const;
   [[nodiscard]] Eigen::VectorXd high() const;
 
-  /// The same flight at `fraction` of its speeds and yaw rate.
+  /// The same flight with its speeds and yaw rate multiplied by `fraction`.
   [[nodiscard]] TrimProblem slowed(double fraction) const;
-  /// Roll of a coordinated turn without drag, level pitch, equal thrusts.
+  /// Roll of a coordinated turn without drag, zero pitch, equal thrusts.
   [[nodiscard]] Eigen::VectorXd first_guess() const;
 
-  /// Attitude and shares of thrust of another trim, of as many rotors.
+  /// Attitude and distribution of thrust of another trim with the same number of rotors.
   [[nodiscard]] Eigen::VectorXd guess_from(const TrimResult& neighbour) const;
 
-  /// m v'/(m g) and J w'/(m g L), (6), zero in a trim, with the Jacobian.
+  /// m v'/(m g) and J w'/(m g L), equation (6), which are zero in a trim, and the Jacobian.
   [[nodiscard]] ValueAndJacobian balance(const Eigen::VectorXd& z) const;
   [[nodiscard]] Eigen::VectorXd residual(const Eigen::VectorXd& z) const;
 
-  /// The 12 states at z, and the rotor speeds.
+  /// The 12 states at z and the rotor speeds.
   [[nodiscard]] Eigen::VectorXd state(const Eigen::VectorXd& z, double yaw) const;
   [[nodiscard]] Eigen::VectorXd speeds(const Eigen::VectorXd& z) const;
 
@@ -79,20 +80,22 @@ class TrimProblem {
   RigidBody body_;
   std::vector<RotorCurve> curves_;
   double arm_;
-  Eigen::Vector3d velocity_;  // in axes turned with the heading only
+  Eigen::Vector3d velocity_;  // in axes that are rotated by the heading only
   double yaw_rate_;
 };
 
-/// Where Newton's method came to.
+/// The outcome of Newton's method.
 struct NewtonResult {
   Eigen::VectorXd z;
   double residual = 0;  ///< largest entry of the balance
   int iterations = 0;
-  Eigen::Index freedom = 0;  ///< of the thrusts, beyond the four that the balance fixes
+  /// Degrees of freedom of the thrusts beyond the four that the balance determines.
+  Eigen::Index freedom = 0;
 };
 
-/// Newton's method from z; among the thrusts that balance it takes those of least sum of squares.
-/// @param within_limits  bounds the thrusts of every step by the motors' limits.
+/// Newton's method from z. Among all balancing thrusts it selects those with the least sum of
+/// squares.
+/// @param within_limits  whether to bound the thrusts of every step by the motors' limits.
 [[nodiscard]] NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z,
                                   const TrimOptions& options, bool within_limits);
 

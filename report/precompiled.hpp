@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What most source files of report/ and of the program include, parsed once for all of them, as
-/// quadtune/internal/precompiled.hpp is for the libraries. Whoever changes one of these headers
-/// compiles both again.
+/// Headers that most source files of report/ and of the program include, parsed once for all of
+/// them, as quadtune/internal/precompiled.hpp is for the libraries. A change of one of these
+/// headers recompiles both.
 #pragma once
 
 #include "quadtune/internal/joined.hpp"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The likelihoods of kalman_benchmark.cpp by R's KalmanLike, which takes one output.
 #
-# Rscript kalman_r.R FILE TASK, TASK "likelihood" or "fit". What it reads and writes is said in
+# Rscript kalman_r.R FILE TASK, TASK "likelihood" or "fit". Its input and output are described in
 # kalman_statsmodels.py; the fit is optim's BFGS in log-variances.
 arguments <- commandArgs(trailingOnly = TRUE)
 m <- list()
@@ -22,7 +22,7 @@ minus_log_likelihood <- function(model) {
   0.5 * length(y) * (log(2 * pi) + z$s2 + 2 * z$Lik - log(z$s2))
 }
 
-# Of processor time, which R tells in thousandths.
+# Processor time, which R reports in thousandths.
 seconds_of <- function(work) {
   start <- proc.time()
   work()

@@ -2,9 +2,9 @@
 """The likelihoods of kalman_benchmark.cpp by statsmodels' compiled filter.
 
 kalman_statsmodels.py FILE TASK, TASK one of
-  likelihood  its own choice of when the covariance has converged
+  likelihood  statsmodels decides when the covariance has converged
   every       no steady state: a covariance step at every sample
-  fit         log-variances from the file's start, by L-BFGS
+  fit         log-variances, started at the values in the file, by L-BFGS
 Reads a model and its measurements from a file of lines "name rows columns numbers…", rows first.
 Writes the seconds of processor time of one evaluation, or of the fit; the log-likelihood; and after a fit the number
 of evaluations and the variances.

@@ -34,7 +34,7 @@ OrderedSchur::OrderedSchur(Eigen::Index nx)
       imaginary_(2 * nx),
       flags_(static_cast<std::size_t>(2 * nx)),
       pivots_(static_cast<std::size_t>(nx)) {
-  // LAPACK is asked for the workspace that it works fastest with.
+  // Query the optimal workspace of LAPACK.
   const int n = static_cast<int>(2 * nx);
   const int query = -1;
   int sdim = 0;

@@ -7,13 +7,12 @@
 
 namespace quadtune::bench {
 
-/// Buffers are made once; solving allocates nothing but what LAPACK's caller needs.
+/// Buffers are allocated once; solving allocates only what a caller of LAPACK requires.
 class OrderedSchur {
  public:
   explicit OrderedSchur(Eigen::Index nx);
 
-  /// AᵀX + XA - XGX + Q = 0 by the stable subspace of [A -G; -Q -Aᵀ].
-  /// @return  false when LAPACK fails or the subspace has another dimension than nx
+  /// @return  false if LAPACK fails or the dimension of the subspace is not nx
   bool care(const Eigen::MatrixXd& A, const Eigen::MatrixXd& G, const Eigen::MatrixXd& Q);
 
   /// X = AᵀX(I + GX)⁻¹A + Q by the subspace inside the unit circle of

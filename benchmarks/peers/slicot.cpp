@@ -34,7 +34,7 @@ std::size_t count(Index n) { return static_cast<std::size_t>(n); }
 
 }  // namespace
 
-// 12 (2n)² is far above what LAPACK's blocked routines ask for inside SLICOT.
+// 12 (2n)² is far above the workspace that the blocked LAPACK routines inside SLICOT request.
 Sb02md::Sb02md(Index nx, bool discrete, bool scaled)
     : discrete_(discrete),
       scaled_(scaled),

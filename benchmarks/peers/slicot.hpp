@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// SLICOT's solvers with their workspaces made once, so that only the routine is timed, and the
-/// copies of those inputs that it destroys.
+/// Solvers of SLICOT with workspaces that are allocated once, so that only the routine is timed,
+/// and the copies of those inputs that it overwrites.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,10 @@ namespace quadtune::bench {
 class Sb02md {
  public:
   /// @param discrete  the discrete equation (HINV = 'D')
-  /// @param scaled    SCAL = 'G', SLICOT's own scaling; else 'N'
+  /// @param scaled    SCAL = 'G', the scaling of SLICOT; otherwise 'N'
   Sb02md(Eigen::Index nx, bool discrete, bool scaled);
 
-  /// @param G  B R⁻¹ Bᵀ: given ready, SLICOT needs SB02MT for it
+  /// @param G  B R⁻¹ Bᵀ, computed beforehand; SLICOT requires SB02MT for it
   bool solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& G, const Eigen::MatrixXd& Q);
 
   [[nodiscard]] const Eigen::MatrixXd& X() const { return Q_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options that say what is flown, for `fly`, `compare` and those that fly; and whose mistake a
-/// word is that they do not know: the command line's or a file's.
+/// Options that select a flight, for `fly`, `compare` and other commands that fly; and the
+/// functions that turn errors of the libraries into errors of the option that caused them.
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@ namespace quadtune::cli {
 
 class CommandLine;
 
-/// Adds V and all of these but --seed, which every verb has.
+/// Adds V and all options of FlightOptions except --seed, which every command has.
 void add_flight_options(CommandLine& line, FlightOptions& options);
 
-/// Runs a function whose options came from the command line.
+/// Calls a function whose options were given on the command line.
 /// @throws UsageError  in place of OptionError
 template <class Function>
 auto option_of_command(const std::string& verb, Function&& function) {
@@ -28,8 +28,9 @@ auto option_of_command(const std::string& verb, Function&& function) {
   }
 }
 
-/// The same; a control period of --dt may be too short for the estimator.
-/// @param has_dt  whether --dt came
+/// As option_of_command(). If the control period of --dt is too short for the estimator, the error
+/// names --dt.
+/// @param has_dt  whether --dt was given
 template <class Function>
 auto period_of_command(const std::string& verb, bool has_dt, Function&& function) {
   try {
@@ -40,8 +41,8 @@ auto period_of_command(const std::string& verb, bool has_dt, Function&& function
   }
 }
 
-/// The flight that a command line asks for.
-/// @param verb  for messages
+/// The flight that the options of a command line describe.
+/// @param verb  name of the command, for messages
 /// @throws UsageError, InvalidInput, FileError, NoSolution
 [[nodiscard]] PlannedFlight plan_of_command(const FlightOptions& options, const std::string& verb);
 

@@ -12,8 +12,8 @@
 namespace quadtune::cli {
 
 void add_flight_outputs(CommandLine& line, FlightOutputs& outputs) {
-  line.add_option("--log FILE", outputs.log, "write every period to a .csv or .mat file");
-  line.add_option("--report FILE", outputs.report, "write a page to look at: a .html file");
+  line.add_option("--log FILE", outputs.log, "write every control period to a .csv or .mat file");
+  line.add_option("--report FILE", outputs.report, "write a web page: a .html file");
 }
 
 void require_output_names(const FlightOutputs& outputs, const std::string& verb) {

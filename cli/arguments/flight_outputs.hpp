@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is left of one flight: --log and --report, and what is printed.
+/// The outputs of one flight: the files of --log and --report, and the printed text.
 #pragma once
 
 #include <optional>
@@ -14,23 +14,23 @@ class CommandLine;
 struct Context;
 
 struct FlightOutputs {
-  std::string log, report;  ///< files; empty: none
+  std::string log, report;  ///< file names; empty if not requested
 };
 
 /// Adds --log and --report.
 void add_flight_outputs(CommandLine& line, FlightOutputs& outputs);
 
-/// @param verb  for messages
-/// @throws UsageError  for a name that does not end as the format does
+/// @param verb  name of the command, for messages
+/// @throws UsageError  if the extension of a name does not match its format
 void require_output_names(const FlightOutputs& outputs, const std::string& verb);
 
-/// Has the flight's log kept, where one of the files needs it.
-/// @throws UsageError  for a flight whose record would not fit into memory
+/// Enables logging of every control period if one of the files needs it.
+/// @throws UsageError  if the log would not fit into memory
 void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::string& verb);
 
 /// Writes the files and prints the flight.
-/// @param diagnosis  of a flight that failed, if it was made
-/// @throws AnswerIsNo  where the flight did not pass
+/// @param diagnosis  of a flight that failed, if one was computed
+/// @throws AnswerIsNo  if the flight failed
 /// @throws FileError, Interrupted
 void tell_flight(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis,
                  const FlightOutputs& outputs, const std::string& verb, Context& context);

@@ -13,20 +13,21 @@
 namespace quadtune::cli {
 namespace {
 
-/// @throws UsageError  unless it is a whole number of periods in range
+/// @throws UsageError  if it is not an integer in the valid range
 int past_periods(double past, const std::string& verb) {
-  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
-    refuse(verb, "--past", "--past is {}, expected a whole number from 0 to {}", number(past),
-           kMostPastCommands);
+  if (past != std::floor(past) || past < 0 || past > kMaxPastCommands)
+    refuse(verb, "--past", "--past is {}, expected an integer from 0 to {}", number(past),
+           kMaxPastCommands);
   return static_cast<int>(past);
 }
 
-/// A gain of given structure answers each state that is integrated, and its integral.
+/// A gain of this structure acts on each state that is integrated and on its integral, so both need
+/// a weight.
 void require_weights(const LqiDesign& design) {
   const auto positive = [](const std::string& name, double weight) {
     if (!(weight > 0))
       refuse("lqr", "--Q",
-             "--Q: the weight of {} is {}, expected more than 0 with --structure matrix", name,
+             "--Q: the weight of {} is {}; expected more than 0 with --structure matrix", name,
              number(weight));
   };
   if (!design.Q) return;
@@ -40,14 +41,14 @@ void require_weights(const LqiDesign& design) {
 }  // namespace
 
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
-  line.add_option(
-      "--change LIST", arguments.change,
-      "flown plant: weights of the change of each command from one period to the next; none");
+  line.add_option("--change LIST", arguments.change,
+                  "flown plant: weights of the change of each command from one control period to "
+                  "the next; default: no such cost");
   line.add_number("--past N", arguments.past,
-                  "flown plant: control periods by which the law predicts; default: what meets the "
-                  "margins with the smallest increase of the weights");
+                  "flown plant: number of control periods that the law predicts; default: the one "
+                  "that meets the margins with the smallest increase of the weights");
   line.add_option("--estimator NAME", arguments.estimator,
-                  "flown plant: as for `quadtune fly`; default: what the sensors allow");
+                  "flown plant: as for `quadtune fly`; default: one that the sensors allow");
   line.add_option("--sensors NAME", arguments.sensors, "flown plant: real (default) or ideal");
   line.add_number("--height M", arguments.height,
                   "flown plant: height of the hover [m], default 1.1");
@@ -70,13 +71,13 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
   if (!common.R.empty()) {
     design.R = input_weights(common.R, inputs, verb, "--R");
     if (!(design.R->minCoeff() > 0))
-      refuse(verb, "--R", "--R has a weight of 0, expected weights of more than 0");
+      refuse(verb, "--R", "--R has a weight of 0, expected weights greater than 0");
   }
   if (!arguments.change.empty()) {
     if (design.past && *design.past < 1)
       refuse(verb, "--change",
-             "--change came with --past 0, expected --past of at least 1 because the law must know "
-             "its last command");
+             "--change cannot be combined with --past 0; expected --past of at least 1, because "
+             "the law must store its last command");
     design.R_change = input_weights(arguments.change, inputs, verb, "--change");
   }
   return design;
@@ -85,7 +86,7 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
 LqiDesign matrix_design(const LqrArguments& common, const FlownLqrArguments& arguments,
                         bool asks_for_inputs) {
   LqiDesign design = lqi_design(common, arguments);
-  MatrixWords words;
+  MatrixConvention words;
   words.convention = named_convention(common.plant.convention, "--convention").name;
   if (asks_for_inputs) words.input_kind = input_kind(common.plant.inputs, "--inputs");
   design.matrix = words;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options of a state feedback that is designed on the plant that flies: rotors' lag, sensors'
-/// delays, estimator.
+/// Options of a state feedback that is designed on the flown plant: motor lag, sensor delays and
+/// estimator included.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ namespace quadtune::cli {
 class CommandLine;
 
 struct FlownLqrArguments {
-  std::string change;          // list: weights of a command's change
+  std::string change;          // list: weights of the changes of the commands
   std::optional<double> past;  // control periods
   std::string estimator, sensors;
   double height = FlownLoopOptions().height;
@@ -26,19 +26,19 @@ struct FlownLqrArguments {
 /// Adds --change, --past, --estimator, --sensors and --height.
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
 
-/// The design that --Q, --R, --change, --integral, --past and --dt ask for.
-/// @throws UsageError  naming the option, what came and what was expected
+/// The design that --Q, --R, --change, --integral, --past and --dt describe.
+/// @throws UsageError  naming the option, its value and what was expected
 [[nodiscard]] LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments);
 
-/// The same of a matrix on the states, in the words of --convention and --inputs.
-/// @param asks_for_inputs  whether --inputs came; otherwise the inputs are the wrench
+/// The design of a matrix on the states, in the convention of --convention and with the inputs of
+/// --inputs.
+/// @param asks_for_inputs  whether --inputs was given; otherwise the inputs are the wrench
 [[nodiscard]] LqiDesign matrix_design(const LqrArguments& common,
                                       const FlownLqrArguments& arguments, bool asks_for_inputs);
 
-/// Calls `design` with the hover on which it is to be judged.
-/// @throws UsageError  for words and numbers of the hover, and in place of OptionError; NoSolution
-/// of
-///                     weights that are given names --Q
+/// Calls `design` with the hover at which the loop is analysed.
+/// @throws UsageError  for invalid options of the hover, and in place of OptionError
+/// @throws NoSolution  if no solution exists; it names --Q if the weights were given
 template <class Function>
 auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& arguments,
                            Function&& design) {
@@ -55,7 +55,7 @@ auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& 
       return design(flight, at);
     });
   } catch (const NoSolution& error) {
-    // Weights that are given leave a state unseen.
+    // A state is not observable through the given weights.
     if (common.Q.empty()) throw;
     throw NoSolution(error.what(), "--Q");
   }

@@ -35,11 +35,12 @@ std::optional<double> ticks_of(const std::string& unit) {
 }  // namespace
 
 void add_log_options(CommandLine& line, LogArguments& arguments) {
-  line.add_option("--format NAME", arguments.format,
-                  "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content");
+  line.add_option(
+      "--format NAME", arguments.format,
+      "text, replay, ulog, mat, uquad-frames or uquad-log; default: detected from the content");
   line.add_option("--columns LIST", arguments.columns,
-                  "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others");
-  line.add_positive("--rate HZ", arguments.rate_hz, "of a text without time, rows a second");
+                  "columns of a text, such as 't_s:1, t_us:2, height[m]:19'; * selects all others");
+  line.add_positive("--rate HZ", arguments.rate_hz, "rows per second of a text without times");
 }
 
 LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
@@ -59,11 +60,12 @@ bool SensorLogArguments::given() const {
 
 void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
   add_log_options(line, arguments.log);
+  line.add_option("--time COLUMN", arguments.time,
+                  "column of the times in a text, by name or number; default: the one named t, "
+                  "time or timestamp");
   line.add_option(
-      "--time COLUMN", arguments.time,
-      "of a text, the column of times, by name or number; one called t, time, timestamp");
-  line.add_option("--time-unit U", arguments.time_unit,
-                  "s, ms, us or ns; the header's, else by the values");
+      "--time-unit U", arguments.time_unit,
+      "s, ms, us or ns; default: that of the header, or else estimated from the values");
 }
 
 LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::string& verb) {
@@ -71,19 +73,19 @@ LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::st
   const std::string& unit = arguments.time_unit;
   const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
   if (!ticks)
-    refuse(verb, "--time-unit", "the unit of time is '{}', expected --time-unit s, ms, us or ns",
+    refuse(verb, "--time-unit", "--time-unit is '{}', expected s, ms, us or ns",
            internal::printable(unit));
   if (arguments.time.empty()) {
-    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit came without --time");
+    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit requires --time");
     return options;
   }
   if (options.rate_hz > 0)
     refuse(verb, "--rate",
-           "--rate and --time both came, expected one of --rate HZ and --time COLUMN");
+           "--rate and --time cannot be combined; expected --rate HZ or --time COLUMN");
   if (!options.columns.empty())
-    refuse(verb, "--columns",
-           "--columns and --time both came, expected one of them: --columns 't_us:2, *' names a "
-           "clock too");
+    refuse(
+        verb, "--columns",
+        "--columns and --time cannot be combined; --columns 't_us:2, *' selects the times as well");
   options.columns = {{"t", unit, arguments.time, *ticks}, {}};
   return options;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options that say how a log is to be read, shared by all verbs that read one.
+/// Options that select how a log is read, shared by all commands that read one.
 #pragma once
 
 #include <optional>
@@ -24,15 +24,15 @@ struct LogArguments {
 /// Adds --format, --columns and --rate.
 void add_log_options(CommandLine& line, LogArguments& arguments);
 
-/// @param verb  For messages.
+/// @param verb  Name of the command, for messages.
 /// @throws UsageError, InvalidInput  naming the option.
 [[nodiscard]] LogOptions log_options(const LogArguments& arguments, const std::string& verb);
 
-/// How the log of a sensor is to be read, its clock included.
+/// How the log of a sensor is read, including its clock.
 struct SensorLogArguments {
   LogArguments log;
-  std::string time;       ///< the column of a text that is its clock; empty: as the log says
-  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, or by its values
+  std::string time;       ///< column of a text that holds the times; empty: the reader chooses
+  std::string time_unit;  ///< s, ms, us or ns; empty: the unit of the header, or else estimated
 
   [[nodiscard]] bool given() const;
 };
@@ -44,7 +44,7 @@ void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments);
 [[nodiscard]] LogOptions sensor_log_options(const SensorLogArguments& arguments,
                                             const std::string& verb);
 
-/// Lines for Context::note, after the verb.
+/// Prints notes about logs by Context::note, with the name of the command in front.
 [[nodiscard]] LogNote notes_of(const std::string& verb, const Context& context);
 
 /// As option_of_command(), for a function that reads logs.

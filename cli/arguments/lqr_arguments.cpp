@@ -21,10 +21,10 @@ std::vector<std::string> read_integrals(const LqrArguments& arguments,
   std::vector<std::string> names = word_list(arguments.integral);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
-      refuse(verb, "--integral", "--integral: no state '{}', expected some of {}{}", name,
+      refuse(verb, "--integral", "--integral: unknown state '{}'; expected names from {}{}", name,
              internal::joined(states, " "), internal::did_you_mean(name, states));
     if (std::count(names.begin(), names.end(), name) > 1)
-      refuse(verb, "--integral", "--integral: state '{}' is named twice, expected each once", name);
+      refuse(verb, "--integral", "--integral: state '{}' is listed twice; expected once", name);
   }
   return names;
 }
@@ -59,7 +59,7 @@ LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& 
   design.states = names_or_numbers(states, std::ssize(states));
   design.inputs = names_or_numbers(inputs, std::ssize(inputs));
   design.integrals = read_integrals(arguments, design.states);
-  // Where there is no list, all weights are 1.
+  // Without a list, all weights are 1.
   const auto or_ones = [](const std::string& list) { return list.empty() ? "1" : list; };
   const Eigen::VectorXd Q =
       state_weights(or_ones(arguments.Q), design.states, design.integrals, arguments.verb);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options of an LQR problem about a vehicle's trim.
+/// Options of an LQR problem at a trim of a vehicle.
 #pragma once
 
 #include <optional>
@@ -14,34 +14,35 @@ namespace quadtune::cli {
 
 struct LqrArguments {
   PlantArguments plant;
-  std::string Q, R;      // lists; 1 if empty
+  std::string Q, R;      // lists; empty: all weights are 1
   std::string integral;  // names, or "none"
   std::string method = "continuous";
   std::optional<double> dt;  // [s]
-  std::string verb = "lqr";  // that asks, for messages
+  std::string verb = "lqr";  // name of the command, for messages
 };
 
-/// The names of --integral, each a state of the model and named once; "none" gives none.
-/// @throws UsageError  naming the option, what came and what was expected.
+/// The names of --integral. Each must be a state of the model and be listed once; "none" gives no
+/// names.
+/// @throws UsageError  naming the option, its value and what was expected.
 [[nodiscard]] std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                                       const std::vector<std::string>& states);
 
-/// The diagonal of the weights of states, then of integrals, from a list; one number stands for
-/// all.
-/// @throws UsageError  naming --Q, what came and what was expected.
+/// The diagonal of the weights of the states, followed by those of the integrals, from a list; a
+/// single number applies to all.
+/// @throws UsageError  naming --Q, its value and what was expected.
 [[nodiscard]] Eigen::VectorXd state_weights(const std::string& list,
                                             const std::vector<std::string>& states,
                                             const std::vector<std::string>& integrals,
                                             const std::string& verb);
 
-/// The same of inputs.
+/// The diagonal of the weights of the inputs, from a list; a single number applies to all.
 /// @param option  e.g. "--R"
 [[nodiscard]] Eigen::VectorXd input_weights(const std::string& list,
                                             const std::vector<std::string>& inputs,
                                             const std::string& verb, const std::string& option);
 
 /// The problem for a model with these states and inputs.
-/// @throws UsageError  naming the option, what came and what was expected.
+/// @throws UsageError  naming the option, its value and what was expected.
 [[nodiscard]] LqrDesign make_design(const LqrArguments& arguments,
                                     const std::vector<Signal>& states,
                                     const std::vector<Signal>& inputs);

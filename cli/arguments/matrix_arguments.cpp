@@ -21,8 +21,9 @@ Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
   if (const auto lines = matrix_lines(path))
     return parse_text_matrix(*lines, fmt::format("'{}'", internal::printable(path)));
   if (path != "-") return read_text_matrix(path);
-  // One byte beyond the limit tells that there is too much; an endless input ends there. Past the
-  // stream, as an exception of its buffer (a signal came) does not leave the stream.
+  // Reads at most one byte more than the limit, which is enough to reject an input that is too
+  // long. Reads from the buffer directly, because a stream would swallow an exception of its buffer
+  // (after a signal).
   std::string text(kMatrixTextLimit + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
@@ -76,7 +77,7 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
       refuse(verb, option, "{}: {} is negative, expected weights of 0 or more", option, weight);
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
-    refuse(verb, option, "{} has {} entries, expected {} or one for all ({})", option,
+    refuse(verb, option, "{} has {} entries, expected {} or a single one for all ({})", option,
            numbers.size(), count, what);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(count))
       .asDiagonal();
@@ -84,8 +85,9 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
 
 void require_one_time(const TimeArguments& time, const std::string& verb) {
   if (time.count() > 1)
-    refuse(verb, time.sampled ? "--sampled" : "--discrete",
-           "more than one of --continuous, --discrete and --sampled came, expected one");
+    refuse(
+        verb, time.sampled ? "--sampled" : "--discrete",
+        "more than one of --continuous, --discrete and --sampled was given; expected one of them");
 }
 
 void require_not_negative(double value, const std::string& verb, const std::string& option) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options that name a matrix file, or list numbers.
+/// Options whose value is a matrix file or a list of numbers.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,48 +10,49 @@
 
 namespace quadtune::cli {
 
-/// Reads the file of an option; `-` is `in`. An option that was not given is an empty
-/// matrix.
+/// Reads the matrix file of an option; `-` reads `in`. Returns an empty matrix if the option was
+/// not given.
 [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in);
 
-/// Like read_matrix, for an option that must be there.
+/// As read_matrix(), for a required option.
 /// @throws UsageError  "quadtune lqr: --B is missing, expected a matrix file".
 [[nodiscard]] Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in,
                                              const std::string& verb, const std::string& option);
 
-/// "1,1,1e3" as numbers.
+/// Parses "1,1,1e3" as numbers.
 /// @throws UsageError  naming the option and the word that is not a finite number.
 [[nodiscard]] std::vector<double> number_list(const std::string& text, const std::string& verb,
                                               const std::string& option);
 
-/// "1,6,11,6" as the coefficients of a polynomial, descending powers.
+/// Parses "1,6,11,6" as the coefficients of a polynomial in descending powers.
 /// @throws UsageError  as number_list(), or "quadtune pid: --num is missing, expected …".
 [[nodiscard]] Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
                                            const std::string& option);
 
-/// A diagonal of `count` weights from a list: one number stands for all.
+/// A diagonal matrix of `count` weights from a list; a single number applies to all.
 /// @param what  what the entries belong to, e.g. "states: x y z".
-/// @throws UsageError  naming the option, how many came and how many were expected, or
-///                     the weight that is negative.
+/// @throws UsageError  naming the option, its number of entries and the expected number, or the
+///                     negative weight.
 [[nodiscard]] Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
                                                const std::string& what, const std::string& verb,
                                                const std::string& option);
 
-/// "x,y,z" as words; an empty text has none.
+/// Splits "x,y,z" into words; an empty text gives no words.
 [[nodiscard]] std::vector<std::string> word_list(const std::string& text);
 
-/// What the matrices of a plant are, as the user says: at most one of these.
+/// Whether the matrices of a plant are continuous or discrete, as the user states; at most one of
+/// the options may be given.
 struct TimeArguments {
   bool continuous = false, discrete = false;
-  std::optional<double> sampled = {};  ///< continuous, with the input held for that long [s]
+  std::optional<double> sampled = {};  ///< continuous, with the input held for this time [s]
 
-  /// How many came.
+  /// Number of options that were given.
   [[nodiscard]] int count() const {
     return int{continuous} + int{discrete} + int{sampled.has_value()};
   }
 };
 
-/// @throws UsageError  for more than one
+/// @throws UsageError  if more than one was given
 void require_one_time(const TimeArguments& time, const std::string& verb);
 
 /// @throws UsageError  unless value [s] ≥ 0

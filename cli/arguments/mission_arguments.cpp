@@ -20,10 +20,10 @@
 namespace quadtune::cli {
 namespace {
 
-/// Longest command that a file repeats whole.
+/// Longest command that is quoted in full in a file [characters].
 constexpr std::size_t kCommentLength = 4096;
-/// More draws than anybody flies for one number.
-constexpr std::uint64_t kMostDraws = 100000;
+/// Maximum number of draws.
+constexpr std::uint64_t kMaxDraws = 100000;
 
 MissionTuningOptions tuning_options(const MissionTuningArguments& arguments,
                                     const Context& context) {
@@ -44,33 +44,36 @@ void require_design_name(const std::string& file, const std::string& verb) {
   std::error_code ignored;
   if (file.empty() || file.ends_with(".toml") || std::filesystem::is_other(file, ignored)) return;
   refuse(verb, "-o",
-         "-o is '{}', expected a name that ends in .toml because `quadtune export` and `fly "
-         "--gains` know a design file by it",
+         "-o is '{}', expected a name that ends in .toml, by which `quadtune export` and `fly "
+         "--gains` recognize a design file",
          internal::printable(file));
 }
 
 void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments) {
   line.add_list("--mission NAME", arguments.missions,
-                "built-in missions or mission files that are flown; several: repeat the option");
+                "built-in mission or mission file to fly; repeat the option for several");
   line.add_option("--requirements FILE", arguments.requirements,
-                  "cost, limits of missions and margins, what is uncertain (docs/formats.md)");
-  line.add_number("--budget S", arguments.budget, "time of the search [s]; 60");
-  line.add_count("--evaluations N", arguments.evaluations, 1, "designs that are tried at most");
+                  "file of cost, limits and uncertain parameters (docs/formats.md)");
+  line.add_number("--budget S", arguments.budget, "maximum time of the search [s]; default 60");
+  line.add_count("--evaluations N", arguments.evaluations, 1,
+                 "maximum number of designs that are evaluated");
   line.add_count("--monte-carlo N", arguments.draws, 1,
-                 "draws of each mission for one evaluation, the same for all; as the requirements "
-                 "have it, or 4");
+                 "draws of each mission in one evaluation, the same in all; default: that of the "
+                 "requirements, or 4");
   line.add_count("--proof N", arguments.proof, 2,
-                 "fresh draws on which start and found are compared; 24, or what a quantile needs");
+                 "fresh draws on which the start and the result are compared; default 24, or as "
+                 "many as a quantile needs");
   line.add_option("--measure NAME", arguments.measure,
-                  "of the draws: mean (default), quantile or worst");
-  line.add_option("--estimator NAME", arguments.estimator, "as `quadtune fly`");
+                  "measure over the draws: mean (default), quantile or worst");
+  line.add_option("--estimator NAME", arguments.estimator, "as for `quadtune fly`");
   line.add_option("--sensors KIND", arguments.sensors, "ideal, or real (default)");
-  line.add_option("--wind WIND", arguments.wind, "as `quadtune fly`");
-  line.add_positive("--duration S", arguments.duration, "of each flight [s]; the mission's");
-  line.add_option("-o FILE", arguments.file, "a design file with what was found");
+  line.add_option("--wind WIND", arguments.wind, "as for `quadtune fly`");
+  line.add_positive("--duration S", arguments.duration,
+                    "duration of each flight [s]; default: that of the mission");
+  line.add_option("-o FILE", arguments.file, "design file to write the result to");
   line.add_flag("--force", arguments.force,
-                "write what was found whatever the answer is; the file says so");
-  line.add_option("--report", arguments.report, "write a page to look at: a .html file");
+                "write the result even if it is not accepted; the file states the verdict");
+  line.add_option("--report", arguments.report, "write a web page: a .html file");
 }
 
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
@@ -85,8 +88,8 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
            arguments.budget);
   for (const auto& [option, draws] :
        {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
-    if (draws > kMostDraws)
-      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMostDraws);
+    if (draws > kMaxDraws)
+      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMaxDraws);
   require_design_name(arguments.file, verb);
   if (arguments.report.empty()) return;
   if (!arguments.report.ends_with(".html"))
@@ -100,15 +103,16 @@ MissionRequirements mission_requirements(const std::string& verb,
   if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
   if (!arguments.missions.empty() && !requirements.missions.empty())
     refuse(verb, "--mission",
-           "--mission came beside requirements that have [[mission]], expected one of them");
-  // Who says how missions are flown shall not think that it was heard.
+           "--mission cannot be combined with requirements that have [[mission]]; expected one of "
+           "them");
+  // These options would be ignored, so they are rejected.
   for (const auto& [option, came] : {std::pair("--estimator", !arguments.estimator.empty()),
                                      std::pair("--sensors", !arguments.sensors.empty()),
                                      std::pair("--wind", !arguments.wind.empty()),
                                      std::pair("--duration", arguments.duration.has_value())})
     if (came && !requirements.missions.empty())
-      refuse(verb, option, "{} came beside requirements that have [[mission]], expected it there",
-             option);
+      refuse(verb, option,
+             "{} cannot be combined with requirements that have [[mission]]; set it there", option);
   for (const std::string& name : arguments.missions) {
     CampaignMission mission;
     mission.mission = load_mission(name);
@@ -143,23 +147,24 @@ void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
   const MissionTuningResult result = [&] {
     Progress progress(context);
     options.progress = [&](double best, int evaluations, double left) {
-      progress.show(fmt::format("{}: best cost {:.4g} after {} designs, {:.0f} s left", verb, best,
-                                evaluations, std::ceil(left)));
+      progress.show(fmt::format("{}: minimum cost {:.4g} after {} designs, {:.0f} s left", verb,
+                                best, evaluations, std::ceil(left)));
     };
     return tune_missions(tuning, requirements, std::move(plan), options);
   }();
   const MissionSearchResult& search = result.search;
-  // First, so that a file that cannot be written does not take a long search with it.
+  // Printed before files are written, so that a failing write does not lose the result of a long
+  // search.
   context.print([&] { return to_json(result); }, [&] { return to_text(result); });
   context.out << std::flush;
   context.answered = true;
-  // After an interrupt what was found is still told and written: that is little work.
+  // After an interrupt the best result is still printed and written, which takes little time.
   const bool ended = search.end == SearchEnd::interrupted;
   const MissionTrial::Stop stop = ended ? MissionTrial::Stop{} : MissionTrial::Stop{interrupted};
   if (!arguments.file.empty() && (search.accepted || arguments.force)) {
     context.write(arguments.file,
                   tuning.file(search.candidate,
-                              fmt::format("{}By {}; {}", search.accepted ? "" : "NOT TAKEN. ",
+                              fmt::format("{}By {}; {}", search.accepted ? "" : "NOT ACCEPTED. ",
                                           internal::printable(context.command, kCommentLength),
                                           search.reason)),
                   stop);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tuning over missions as `tune pid` and `tune lqr` share it: options, the search, what it tells.
+/// What `tune pid` and `tune lqr` share: their options, the search, and its outputs.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ struct Context;
 struct MissionTuningArguments {
   std::string vehicle;  ///< name or file
   std::vector<std::string> missions;
-  std::string requirements, estimator, sensors, wind;  ///< empty where they did not come
+  std::string requirements, estimator, sensors, wind;  ///< empty if not given
   std::optional<double> duration;
   double budget = 60;                                        ///< [s]
-  std::uint64_t evaluations = 100000, draws = 0, proof = 0;  ///< 0: not said
+  std::uint64_t evaluations = 100000, draws = 0, proof = 0;  ///< 0: not given
   std::string measure;
   std::string file, report;
   bool force = false;
@@ -33,21 +33,24 @@ struct MissionTuningArguments {
 /// --estimator, --sensors, --wind, --duration, -o, --force, --report.
 void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments);
 
-/// Refuses words and numbers that no tuning takes, before anything is designed.
+/// Validates the options before anything is designed.
 /// @throws UsageError
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments);
-/// What --mission, --requirements and the options beside them ask for.
+/// The requirements that --mission, --requirements and the options of the flights describe.
 /// @throws UsageError, InvalidInput, FileError
 [[nodiscard]] MissionRequirements mission_requirements(const std::string& verb,
                                                        const MissionTuningArguments& arguments);
 
-/// A design file is written into a name by which it is known again, or to a device.
+/// Requires that the name of a design file ends in .toml, by which it is recognized later, or is a
+/// device.
 /// @throws UsageError
 void require_design_name(const std::string& file, const std::string& verb);
 
-/// Searches, proves, tells, and writes where something better was found; a page whatever was found.
-/// @throws AnswerIsNo   where nothing better was found
-/// @throws Interrupted  after it told and wrote the best found, where a signal ended the search
+/// Searches, compares the result with the start on fresh draws, and prints it. Writes the design
+/// file if the result is accepted or --force was given, and the page in any case.
+/// @throws AnswerIsNo   if the search found nothing better than the start
+/// @throws Interrupted  after the best result so far was printed and written, if a signal ended the
+///                      search
 /// @param verb  "tune pid"
 void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
                         const MissionRequirements& requirements,

@@ -15,17 +15,20 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments) {
   line.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
   line.add_option("--at FLIGHT", arguments.at,
                   "steady flight: hover (default), line, circle or spin");
-  line.add_number("--speed V", arguments.speed, "over the ground [m/s]; line and circle");
-  line.add_number("--climb V", arguments.climb, "upward [m/s]; line, circle and spin");
-  line.add_number("--radius R", arguments.radius, "of the circle [m]; negative turns left");
+  line.add_number("--speed V", arguments.speed, "ground speed of line and circle [m/s]");
+  line.add_number("--climb V", arguments.climb,
+                  "climb rate of line, circle and spin, positive upward [m/s]");
+  line.add_number("--radius R", arguments.radius,
+                  "radius of the circle [m]; negative: turn to the left");
   line.add_number("--yaw-rate RATE", arguments.yaw_rate,
-                  "of a spin on the spot [rad/s]; negative turns left");
+                  "yaw rate of a spin on the spot [rad/s]; negative: turn to the left");
   line.add_number("--yaw ANGLE", arguments.yaw, "heading from north, clockwise from above [rad]");
   line.add_option("--convention NAME", arguments.convention,
-                  "ned (default), uquad, mambo or a file");
+                  "ned (default), uquad, mambo or a convention file");
   line.add_option("--inputs KIND", arguments.inputs,
                   "rotor-speed (default), rotor-thrust, wrench or command");
-  line.add_option("--states LIST", arguments.states, "full (default), no-position or names");
+  line.add_option("--states LIST", arguments.states,
+                  "full (default), no-position or a list of names");
 }
 
 LinearizeOptions linearize_options(const PlantArguments& arguments) {
@@ -34,7 +37,7 @@ LinearizeOptions linearize_options(const PlantArguments& arguments) {
   options.convention = words.name;
   options.inputs = input_kind(arguments.inputs, "--inputs");
   options.states = state_selection(arguments.states, "--states");
-  // Refused by the options' names, not by the function that would trip over them.
+  // Validated here, so that the message names the option.
   (void)selected_states(words, options.states, "--states");
   return options;
 }
@@ -54,17 +57,19 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
   plant.flight = flight_condition(arguments);
   const FlightCondition& condition = plant.flight;
   if (condition.kind == FlightKind::circle && condition.radius == 0)
-    throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres",
-                     "--radius");
+    throw UsageError(
+        "quadtune: --radius is missing or 0, expected the radius of the circle in metres",
+        "--radius");
   if (condition.kind == FlightKind::spin && condition.yaw_rate == 0)
-    throw UsageError("quadtune: --yaw-rate is missing or 0, expected that of the spin in rad/s",
-                     "--yaw-rate");
+    throw UsageError(
+        "quadtune: --yaw-rate is missing or 0, expected the yaw rate of the spin in rad/s",
+        "--yaw-rate");
   const LinearizeOptions options = linearize_options(arguments);
   try {
     plant.model = linearize_or_refuse(plant.vehicle, condition, options, arguments.vehicle);
   } catch (const InvalidInput& error) {
     if (error.where() != "trim") throw;
-    // A flight that there is not, such as one at a negative speed: the options are at fault.
+    // The flight itself is invalid, e.g. its speed is negative, so the options are the cause.
     throw InvalidInput("--at " + arguments.at, error.message());
   }
   return plant;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options that name a vehicle, its steady flight and how its linear model is written.
+/// Options that select a vehicle, its steady flight and the form of its linear model.
 #pragma once
 
 #include <string>
@@ -29,21 +29,21 @@ struct PlantArguments {
 /// --states.
 void add_plant_options(CommandLine& line, PlantArguments& arguments);
 
-/// How the model is to be written.
-/// @throws InvalidInput  naming the option, what came and what was expected.
+/// The convention, inputs and states of the linear model.
+/// @throws InvalidInput  naming the option, its value and what was expected.
 [[nodiscard]] LinearizeOptions linearize_options(const PlantArguments& arguments);
 
 /// The steady flight.
-/// @throws InvalidInput  for another word than those of --at
+/// @throws InvalidInput  if the value of --at is unknown
 [[nodiscard]] FlightCondition flight_condition(const PlantArguments& arguments);
 
 /// Trims and linearizes.
-/// @throws NoSolution  with the trim's culprit.
+/// @throws NoSolution  if no trim exists; the message names the reason.
 [[nodiscard]] LinearVehicle make_plant(const PlantArguments& arguments);
 
-/// Whether an option --plant asks for the flown plant: "flown", not "ideal".
-/// @param verb  for the message, e.g. "margins"
-/// @throws UsageError  for another word
+/// Whether the option --plant selects the flown plant: true for "flown", false for "ideal".
+/// @param verb  name of the command for the message, e.g. "margins"
+/// @throws UsageError  for any other value
 [[nodiscard]] bool asks_for_flown_plant(const std::string& plant, const std::string& verb);
 
 }  // namespace quadtune::cli

@@ -19,7 +19,7 @@ std::string ending(const PlotArgument& argument) {
 
 void add_plot_option(CommandLine& line, PlotArgument& argument) {
   line.add_option("--plot FILE", argument.file,
-                  "a picture to draw with gnuplot: a name in .svg or .png");
+                  "draw a picture with gnuplot: a name that ends in .svg or .png");
 }
 
 void require_picture(const PlotArgument& argument, const std::string& verb) {

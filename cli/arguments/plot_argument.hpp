@@ -13,7 +13,7 @@ class CommandLine;
 
 struct Context;
 
-/// Where a picture goes; empty for none.
+/// The file of a picture; empty if none is requested.
 struct PlotArgument {
   std::string file;
 };
@@ -21,13 +21,13 @@ struct PlotArgument {
 /// Adds --plot FILE.
 void add_plot_option(CommandLine& line, PlotArgument& argument);
 
-/// To be called before any work.
-/// @throws UsageError  for a file whose name ends otherwise than in .svg or .png
+/// Validates the file name. Call it before any work.
+/// @throws UsageError  if the name does not end in .svg or .png
 void require_picture(const PlotArgument& argument, const std::string& verb);
 
-/// Draws the figure into the file, whole or not at all; without a file does nothing, and does not
-/// ask for the figure.
-/// @throws FileError   when gnuplot is missing or fails, or the file cannot be written
+/// Draws the figure and writes it completely or not at all. Without a file it does nothing and does
+/// not compute the figure.
+/// @throws FileError   if gnuplot is missing or fails, or the file cannot be written
 void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure,
           Context& context);
 

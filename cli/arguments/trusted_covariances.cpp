@@ -10,9 +10,8 @@ namespace quadtune::cli {
 
 void require_tuned(const DesignOutcome& outcome, bool force, const Context& context) {
   const std::string file = outcome.design.file.string();
-  for (const std::string& doubt : doubtful_covariances(outcome.design)) {
-    if (!force)
-      throw Refusal(fmt::format("{}: {}; --force takes it all the same", file, doubt), file);
+  for (const std::string& doubt : unconfirmed_covariances(outcome.design)) {
+    if (!force) throw Refusal(fmt::format("{}: {}; use --force to accept it", file, doubt), file);
     context.note("design: warning: " + doubt);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Covariances that logs did not prove are refused, or taken where the user insists.
+/// Rejects covariances whose tuning did not pass, unless the user insists.
 #pragma once
 
 #include "quadtune/workbench/design/design.hpp"
@@ -8,7 +8,8 @@ namespace quadtune::cli {
 
 struct Context;
 
-/// Refuses covariances from a tuning whose verdict is another than pass, or with `force` notes it.
+/// Rejects covariances from a tuning whose verdict is not "pass"; with `force`, prints a warning
+/// instead.
 /// @throws AnswerIsNo
 void require_tuned(const DesignOutcome& outcome, bool force, const Context& context);
 

@@ -33,7 +33,7 @@ constexpr const char* kEncode = "link encode";
 constexpr const char* kDecode = "link decode";
 constexpr const char* kSend = "link send";
 
-/// The command that the words name. What is wrong in them is a mistake of the command line.
+/// The command that the words describe. Errors in them are errors of the command line.
 LinkCommand command_of(const Options& options, const std::string& verb) {
   const LinkFirmware firmware =
       option_of_command(verb, [&] { return link_firmware(options.firmware); });
@@ -55,7 +55,7 @@ std::optional<std::uint64_t> sequence_of(const CommandLine& line, const Options&
 
 void run_encode(CommandLine& line, const Options& options, Context& context) {
   const LinkCommand given = command_of(options, kEncode);
-  // A frame that nobody sends may have any number.
+  // A frame that is not sent may have any number.
   const std::optional<std::uint64_t> sequence = given.firmware == LinkFirmware::native
                                                     ? sequence_of(line, options).value_or(0)
                                                     : sequence_of(line, options);
@@ -70,7 +70,7 @@ void run_decode(const Options& options, Context& context) {
   const LinkFirmware firmware =
       option_of_command(kDecode, [&] { return link_firmware(options.firmware); });
   if (options.words.empty())
-    refuse(kDecode, "HEX", "no bytes came, expected those of a frame, e.g. 02 00 00 00");
+    refuse(kDecode, "HEX", "the bytes are missing, expected a frame, e.g. 02 00 00 00");
   const LinkCommand command =
       decode_link_frame(firmware, link_bytes(internal::joined(options.words, " ")));
   context.print([&] { return to_json(command); }, [&] { return to_text(command); });
@@ -78,7 +78,7 @@ void run_decode(const Options& options, Context& context) {
 
 // --- send ---
 
-/// Status 1, and what a person has to know before the next step.
+/// Throws the error for status 1, which states what a person must know before the next step.
 [[noreturn]] void refuse_unanswered(const LinkSending& sending, const LinkOptions& options) {
   const bool stops =
       link_entry(sending.message.command.firmware, sending.message.command.name).stops;
@@ -104,7 +104,7 @@ void run_send(CommandLine& line, Options& options, Context& context) {
   });
   if (!options.dry_run) sending.delivery = send_link(sending.message, sending.to, link);
   context.print([&] { return to_json(sending); }, [&] { return to_text(sending); });
-  // Something is on a vehicle or on its way, so the result stands whatever follows.
+  // A frame may have reached the vehicle, so the result stays printed whatever follows.
   context.answered = true;
   if (!sending.delivery) return;
   if (sending.delivery->status == LinkStatus::interrupted) throw Interrupted();
@@ -124,7 +124,7 @@ std::string names_of_commands() {
 
 void add_firmware(CommandLine& line, Options& options) {
   line.add_option("--firmware simulink|native", options.firmware,
-                  "of MathWorks' support package (TCP), or the manufacturer's (UDP)");
+                  "firmware of MathWorks' support package (TCP), or of the manufacturer (UDP)");
 }
 
 void add_command(CommandLine& line, Options& options) {
@@ -139,7 +139,8 @@ void add_no_ack(CommandLine& line, Options& options) {
 
 void add_encode_options(CommandLine& line, Options& options) {
   add_command(line, options);
-  line.add_count("--sequence N", options.sequence, 0, "number of a native frame, 0 to 255; 0");
+  line.add_count("--sequence N", options.sequence, 0,
+                 "number of a native frame, 0 to 255; default 0");
   add_no_ack(line, options);
 }
 
@@ -152,26 +153,26 @@ void add_send_options(CommandLine& line, Options& options) {
   add_command(line, options);
   line.add_option("--to HOST:PORT", options.to, "IPv4 address and port of one vehicle; no default");
   line.add_flag("--dry-run", options.dry_run, "print what would be sent, and send nothing");
-  line.add_count(
-      "--sequence N", options.sequence, 0,
-      "number of a native frame, 0 to 255, one more than in the frame before; not needed "
-      "to stop the vehicle");
+  line.add_count("--sequence N", options.sequence, 0,
+                 "number of a native frame, 0 to 255, one more than that of the previous frame; "
+                 "not needed to stop the vehicle");
   add_no_ack(line, options);
   line.add_positive("--timeout S", options.timeout,
-                    "for the connection, and for each answer [s], at most 60; 1");
-  line.add_count("--tries N", options.link.tries, 1, "of a native frame, at most 100; 3");
+                    "timeout of the connection and of each answer [s], at most 60; default 1");
+  line.add_count("--tries N", options.link.tries, 1,
+                 "number of attempts for a native frame, at most 100; default 3");
   line.add_count("--local-port N", options.link.local_port, 1,
-                 "port to send from and to be answered at; any");
+                 "local port for sending and for the answer; default: any");
 }
 
 }  // namespace
 
 std::vector<Verb> link_verbs() {
   return {{kEncode, "NAME [VALUE...] --firmware simulink|native",
-           "the bytes of a command for the Mambo; nothing is sent",
+           "show the bytes of a command for the Mambo; nothing is sent",
            "quadtune link encode height -0.3 --firmware simulink",
            with_options(add_encode_options, run_encode)},
-          {kDecode, "HEX... --firmware simulink|native", "what the bytes of a command mean",
+          {kDecode, "HEX... --firmware simulink|native", "explain the bytes of a command",
            "quadtune link decode 0e 00 00 00 e2 ff ff ff --firmware simulink",
            with_options(add_decode_options, run_decode)},
           {kSend, "NAME [VALUE...] --firmware simulink|native --to HOST:PORT",

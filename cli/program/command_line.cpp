@@ -18,7 +18,7 @@
 
 namespace quadtune::cli {
 
-// Parser has such a member, so it is not in the unnamed namespace.
+// A member of Parser has this type, so it cannot be in the unnamed namespace.
 class ParsedOption final : public Option {
  public:
   explicit ParsedOption(CLI::Option* option) : option_(option) {}
@@ -47,8 +47,9 @@ namespace {
 std::string without_type(const std::string& name) { return name.substr(0, name.find(' ')); }
 
 const char* number_mistake(const std::string& word, double& value) {
-  return internal::read_number(word, value) ? ""
-                                            : " is not a finite number, expected one such as 0.01";
+  return internal::read_number(word, value)
+             ? ""
+             : " is not a finite number, expected a number such as 0.01";
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ struct CommandLine::Parser {
     app.allow_extras();
   }
 
-  /// @param name  with the word for its value, if it has one
+  /// @param name  with the placeholder of its value, if it takes one
   Option* add(CLI::Option* option, const std::string& name) {
     if (const std::size_t blank = name.find(' '); blank != std::string::npos)
       option->type_name(name.substr(blank + 1));
@@ -74,8 +75,8 @@ struct CommandLine::Parser {
     throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
   }
 
-  /// An option that takes a value.
-  /// @param read  sets the variable; what it returns follows the value in a refusal, or is empty
+  /// Adds an option that takes a value.
+  /// @param read  sets the variable and returns an empty text, or the end of the error message
   Option* add_read(const std::string& name, const std::string& description,
                    const std::function<std::string(const std::string& word)>& read) {
     const auto take = [this, option = without_type(name), read](const std::string& word) {
@@ -86,7 +87,7 @@ struct CommandLine::Parser {
   }
 
   [[noreturn]] void refuse_missing_value(const std::string& option) const {
-    refuse(option, fmt::format("{} has no value, expected one", option));
+    refuse(option, fmt::format("{} requires a value", option));
   }
 
   [[noreturn]] void refuse_extras() const;
@@ -96,7 +97,7 @@ struct CommandLine::Parser {
   void refuse_empty_values() const;
 };
 
-/// Names the first word that CLI11 could not place, with the nearest option that exists.
+/// Rejects the first word that CLI11 could not assign, and suggests the most similar option.
 void CommandLine::Parser::refuse_extras() const {
   const std::string extra = app.remaining().front();
   if (extra.empty() || extra[0] != '-')
@@ -110,7 +111,8 @@ void CommandLine::Parser::refuse_extras() const {
   refuse(name, fmt::format("no option '{}'{}", name, internal::did_you_mean(name, known)));
 }
 
-/// CLI11 would take the option that follows as the value: "-o --json" as a file "--json".
+/// Without this check, CLI11 would use the option that follows as the value: "-o --json" as a file
+/// "--json".
 void CommandLine::Parser::refuse_options_for_values(const std::vector<std::string>& args) const {
   for (std::size_t i = 0; i + 1 < args.size(); ++i) {
     if (!args[i].starts_with('-') || !args[i + 1].starts_with("--")) continue;
@@ -119,7 +121,8 @@ void CommandLine::Parser::refuse_options_for_values(const std::vector<std::strin
   }
 }
 
-/// CLI11's messages begin with the option; the rest is written here in the words of all others.
+/// Messages of CLI11 begin with the option; the rest is replaced in the style of all other
+/// messages.
 void CommandLine::Parser::refuse(const CLI::ParseError& error,
                                  const std::vector<std::string>& args) const {
   std::string message = error.what();
@@ -131,14 +134,13 @@ void CommandLine::Parser::refuse(const CLI::ParseError& error,
       return arg == option || arg.starts_with(option + "=");
     });
     if (times == 0)
-      refuse(option,
-             fmt::format("more words came than it takes, expected: quadtune {} {}", verb, usage));
+      refuse(option, fmt::format("too many arguments; expected: quadtune {} {}", verb, usage));
     if (times == 1) refuse_missing_value(option);
-    message = fmt::format("{} came {} times, expected it once", option, times);
+    message = fmt::format("{} is given {} times; expected once", option, times);
   } else if (dynamic_cast<const CLI::ConversionError*>(&error)) {  // "…: --json = maybe"
     const std::size_t start = message.find("--");
     option = message.substr(std::min(start, message.size()), message.find(" =") - start);
-    message = fmt::format("{} came with a value, expected {} alone", option, option);
+    message = fmt::format("{} was given a value; expected {} alone", option, option);
   }
   refuse(option, message);
 }
@@ -205,7 +207,7 @@ Option* CommandLine::add_positive(const std::string& name, std::optional<double>
   return parser_->add_read(name, description, [&value](const std::string& word) {
     double number = 0;
     if (!internal::read_number(word, number) || !(number > 0))
-      return " came, expected a number of more than 0";
+      return " is invalid; expected a number greater than 0";
     value = number;
     return "";
   });
@@ -217,7 +219,7 @@ Option* CommandLine::add_count(const std::string& name, std::uint64_t& value, st
     const char* end = word.data() + word.size();
     const auto [stop, error] = std::from_chars(word.data(), end, value);
     const bool right = error == std::errc() && stop == end && value >= min;
-    return right ? "" : fmt::format(" came, expected a whole number of {} or more", min);
+    return right ? "" : fmt::format(" is invalid; expected an integer of at least {}", min);
   });
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// What is offered for an option or an argument.
+/// The values that are suggested for an option or an argument.
 Words values_of(const Option& option) {
   if (option.name() == "--vehicle") return built_in_vehicles();
   const std::string description = option.description();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bash completion: verbs, options, and the values that options and arguments take, all from
-/// the table of verbs and what its options say of themselves.
+/// The bash completion: commands, options, and the values of options and arguments, all taken from
+/// the table of commands and from the descriptions of their options.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace quadtune::cli {
 
-/// The names of what is built in that an option takes, as its description says: vehicles, missions
-/// or filter models.
+/// The built-in names that an option accepts according to its description: vehicles, missions or
+/// filter models.
 [[nodiscard]] std::vector<std::string> built_in_names(const std::string& description);
 
-/// All verbs with what they take, for report::bash_completion().
+/// All commands with their options and values, for report::bash_completion().
 [[nodiscard]] std::vector<report::CompletedCommand> completed_commands();
 
 }  // namespace quadtune::cli

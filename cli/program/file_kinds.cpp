@@ -21,7 +21,7 @@ Words with(Words some, const Words& more) {
   return some;
 }
 
-/// The commands that take a kind, with the option where it is none that stands alone.
+/// The commands that read a kind of file, with the option unless it is a positional argument.
 Words takers_of(FileKind kind) {
   static const Words laws = {
       "fly --gains", "compare", "compare --gains",  "margins --gains",
@@ -48,7 +48,7 @@ Words takers_of(FileKind kind) {
   return found == takers.end() ? Words{} : found->second;
 }
 
-/// "fly --gains" for the argument at `at`; "fly" where it stands alone.
+/// "fly --gains" for the argument at `at`; "fly" if it is positional.
 std::string place_of(const std::vector<std::string>& args, std::size_t at) {
   std::string place = args[0];
   if (const std::vector<std::string> kinds = kinds_of(args[0]);
@@ -77,7 +77,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     if (!kind) return "";
     const Words takers = takers_of(*kind);
     const std::string place = place_of(args, i);
-    // One file may stand in two places, one of them the right one.
+    // The same file may be given twice, once in the right place.
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty())
       return fmt::format("; this is {}, which no command reads", to_string(*kind));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which commands take a kind of file: for messages about a file that came to the wrong one.
+/// Which commands read a kind of file, for messages about a file that was given to the wrong
+/// command.
 #pragma once
 
 #include <string>
@@ -8,10 +9,9 @@
 namespace quadtune::cli {
 
 /// @param args   the command line after the program's name
-/// @param where  what an error complains about: a file, "file:line", or else
-/// @return       "; FILE is a design file, which quadtune design, export, … take" where `where` is
-///               an argument, its kind is known and this command does not take that kind there;
-///               "" otherwise
+/// @param where  the location that an error names: a file, "file:line", or something else
+/// @return       "; this is a design file; it is read by: quadtune design, export, …" if `where` is
+///               an argument of a known kind that this command does not read there; "" otherwise
 [[nodiscard]] std::string who_takes(const std::vector<std::string>& args, const std::string& where);
 
 }  // namespace quadtune::cli

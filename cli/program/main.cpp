@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   StandardOutput output;
   std::istream in(&input);
   std::ostream out(&output);
-  std::cerr.tie(&out);  // an error comes after what it is about
+  std::cerr.tie(&out);  // an error follows the output that it concerns
   const int status =
       run({argv + 1, argv + argc}, in, out, std::cerr, terminal_width(STDOUT_FILENO));
   std::cerr.tie(nullptr);

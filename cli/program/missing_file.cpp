@@ -17,7 +17,7 @@
 namespace quadtune::cli {
 namespace {
 
-/// The option that gave the path, or the folder in which it lies.
+/// The option whose value is the path or a folder that contains it.
 const Option* option_of(const std::string& path, const CommandLine& line) {
   for (const Option* option : line.options())
     for (const std::string& value : option->values())
@@ -25,7 +25,7 @@ const Option* option_of(const std::string& path, const CommandLine& line) {
   return nullptr;
 }
 
-/// "; vehicles has mambo.toml, uquad.toml and 3 more", the nearest names first.
+/// "; vehicles has mambo.toml, uquad.toml and 3 more", the most similar names first.
 std::string what_is_there(const std::string& path) {
   const NearbyFiles nearby = nearby_files(path, 4);
   const std::string folder = nearby.folder.string();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// "No such file" with what was looked for and what is there instead.
+/// "No such file" together with what was expected and which files exist.
 #pragma once
 
 #include <string>
@@ -12,12 +12,12 @@ namespace quadtune::cli {
 
 class CommandLine;
 
-/// Whether a file is missing, and not unreadable.
+/// Whether a file does not exist, as opposed to being unreadable.
 [[nodiscard]] bool is_missing(const FileError& error);
 
-/// What the option that named the file takes, and the names that are nearest: of its folder, and of
-/// what is built in.
-/// @param line  the verb's options, after parse()
+/// Adds to the error what the option that named the file accepts, and the most similar names, from
+/// its folder and of the built-in files.
+/// @param line  the options of the command, after parse()
 [[nodiscard]] FileError told_missing(const FileError& error, const CommandLine& line);
 
 }  // namespace quadtune::cli

@@ -2,7 +2,7 @@
 #include "program/program.hpp"
 
 #include <fmt/format.h>
-#include <glog/logging.h>  // of Ceres, which warns of line searches that end at once
+#include <glog/logging.h>  // used by Ceres, which logs warnings of its line search
 
 #include <algorithm>
 #include <cstdint>
@@ -38,20 +38,21 @@ const Verb* find(const std::string& name) {
   return found == all.end() ? nullptr : &*found;
 }
 
-/// First words.
+/// The first words of all commands.
 std::vector<std::string> verb_names() {
   std::vector<std::string> names;
   for (const Verb& verb : verbs()) names.push_back(verb.name.substr(0, verb.name.find(' ')));
   return names;
 }
 
-/// Runs an action whose output goes into a file, written whole or not at all.
+/// Runs an action whose output is written to a file, completely or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
-  const bool json = context.json || file.ends_with(".json");  // what reads it goes by the name
+  const bool json = context.json || file.ends_with(".json");  // readers recognize JSON by the file
+                                                              // name
   Context into{context.in,      text, context.err,     json,         context.quiet,
                context.written, file, context.threads, context.seed, context.command};
-  // An answer that is no was printed as well.
+  // A negative answer has been printed, so it is written as well.
   const auto write = [&] {
     context.written = into.written;
     write_file(file, text.str());
@@ -67,21 +68,23 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   write();
 }
 
-/// "-" is standard output, too; but files are written beside what is printed there.
+/// Rejects "-" for files that are written in addition to the printed text, which goes to standard
+/// output.
 void refuse_standard_output(const CommandLine& line, const std::string& verb) {
   const bool logs = verb == "fly" || verb == "campaign replay";  // the others read --log
   for (const std::string name : {"-o", "--report", "--plot", "--log"}) {
     const Option* const option = line.find(name);
     if (option == nullptr || !option->was_given() || option->values().back() != "-") continue;
     if (name == "--log" && !logs) continue;
-    throw UsageError(fmt::format("quadtune {}: {} is -, expected a name, because what is printed "
-                                 "goes there; ./- is a file of that name",
-                                 verb, name),
-                     name);
+    throw UsageError(
+        fmt::format("quadtune {}: {} is -, expected a file name, because standard output is used "
+                    "for the printed text; write ./- for a file of that name",
+                    verb, name),
+        name);
   }
 }
 
-/// Standard input can be read once: the second reader would find it empty.
+/// Standard input can be read only once; a second reader would find it empty.
 void refuse_two_readers(const CommandLine& line, const std::string& verb) {
   std::string first;
   for (const Option* option : line.options()) {
@@ -89,7 +92,7 @@ void refuse_two_readers(const CommandLine& line, const std::string& verb) {
     if (option->name() == "-o") continue;
     if (!first.empty())
       throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
-                                   "for one, because it can be read once",
+                                   "for one of them, because it can be read only once",
                                    verb, first, option->name()),
                        option->name());
     first = option->name();
@@ -102,10 +105,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   line.add_flag("--json", context.json, "print one JSON object");
   line.add_flag("--quiet", context.quiet, "no notes on the error stream");
   line.add_flag("-h,--help", help, "show this help");
-  // Part of the contract of every verb.
+  // Part of the contract of every command.
   std::uint64_t threads = 0;
-  line.add_count("--threads", threads, 1, "threads to use; one for each processor if absent");
-  line.add_count("--seed", context.seed, 0, "fixes everything random");
+  line.add_count("--threads", threads, 1, "number of threads; default: one for each processor");
+  line.add_count("--seed", context.seed, 0, "seed of all random numbers");
   const Action action = verb.define(line);
   std::string file;
   const bool prints = line.find("-o") == nullptr;
@@ -118,7 +121,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   line.parse(args);
   refuse_two_readers(line, verb.name);
   if (prints && file == "-")
-    file.clear();  // what is printed is all there is
+    file.clear();  // equivalent to no -o
   else
     refuse_standard_output(line, verb.name);
   context.threads = threads;
@@ -154,10 +157,10 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     words = 2;
     if (!verb)
       throw UsageError(
-          fmt::format(
-              "quadtune {}: {}, expected {}{}", args[0],
-              kind.empty() ? "a word is missing" : "'" + internal::printable(kind) + "' came",
-              internal::joined(kinds, " or "), internal::did_you_mean(kind, kinds)),
+          fmt::format("quadtune {}: {}, expected {}{}", args[0],
+                      kind.empty() ? "the second word is missing"
+                                   : "'" + internal::printable(kind) + "' is unknown",
+                      internal::joined(kinds, " or "), internal::did_you_mean(kind, kinds)),
           args[0]);
   }
   if (!verb) {
@@ -171,13 +174,13 @@ void run_program(const std::vector<std::string>& args, Context& context) {
   run_verb(*verb, {args.begin() + static_cast<std::ptrdiff_t>(words), args.end()}, context);
 }
 
-/// The command line as it is written into files. What may not change a byte of them is left out:
-/// how many threads worked, and what is printed beside.
+/// The command line as it is recorded in files. Options that must not change a byte of them are
+/// left out: the number of threads, and those of the printed text.
 std::string recorded_command(const std::vector<std::string>& args) {
   std::string command = "quadtune";
   for (std::size_t i = 0; i < args.size(); ++i) {
     const std::string& arg = args[i];
-    if (arg == "--threads") ++i;  // and its value
+    if (arg == "--threads") ++i;  // and skips its value
     if (arg == "--threads" || arg.starts_with("--threads=") || arg == "--quiet" || arg == "--json")
       continue;
     command += " " + shell_word(arg);
@@ -190,18 +193,18 @@ std::string recorded_command(const std::vector<std::string>& args) {
 void write_file(const std::string& file, const std::string& bytes,
                 const std::function<bool()>& stop) {
   std::filesystem::path path = std::filesystem::absolute(file);
-  std::error_code ignored;  // what cannot be looked at, write_files() names with its reason
+  std::error_code ignored;  // write_files() reports a path that cannot be examined
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (std::filesystem::is_directory(status))
     throw FileError(file, "is a directory, expected the name of a file to write");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    // A device or a pipe is written to, not replaced.
+    // A device or a pipe is written to directly and not replaced.
     std::ofstream stream(path, std::ios::binary);
     stream << bytes << std::flush;
     if (!stream) throw FileError(file, "could not be written");
     return;
   }
-  // What a link points to is replaced, not the link.
+  // The target of a symbolic link is replaced, not the link.
   if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)) &&
       std::filesystem::exists(status))
     path = std::filesystem::canonical(path, ignored);
@@ -239,7 +242,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     return std::find(args.begin(), args.end(), option) != args.end();
   };
   const bool for_programs = asks("--json") || asks("--man") || asks("--completion");
-  FLAGS_minloglevel = google::GLOG_FATAL;  // the error stream is the program's
+  FLAGS_minloglevel = google::GLOG_FATAL;  // only the program itself writes to the error stream
   VisibleText visible(out, for_programs ? 0 : width);
   std::ostream shown(&visible);
   Context context{in, shown, err};
@@ -280,7 +283,7 @@ const std::vector<Verb>& verbs() {
         std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });
     list.insert(log, campaign.begin(), campaign.end());
     const std::vector<Verb> link = link_verbs();
-    list.insert(list.end() - 1, link.begin(), link.end());  // before help
+    list.insert(list.end() - 1, link.begin(), link.end());  // before `help`
     return list;
   }();
   return all;

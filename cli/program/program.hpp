@@ -23,12 +23,12 @@ class Json;
 
 namespace quadtune::cli {
 
-// What results look like: text, JSON, pages.
+// Functions that format results as text, JSON and pages.
 using namespace report;
 
 class CommandLine;
 
-/// What the process ends with; documented in docs/cli.md.
+/// Exit statuses of the process, documented in docs/cli.md.
 enum ExitStatus : int {
   kDone = 0,
   kAnswerIsNo = 1,
@@ -40,7 +40,7 @@ enum ExitStatus : int {
   kInterrupted = 130,
 };
 
-/// The command line is wrong.
+/// The command line is invalid.
 class UsageError : public std::runtime_error {
  public:
   /// @param where  the option or argument concerned, e.g. "--dt", for scripts.
@@ -53,13 +53,13 @@ class UsageError : public std::runtime_error {
   std::string where_;
 };
 
-/// The answer is no: a verification or a gate failed. What failed has been printed already.
+/// A verification or a check failed. The failure has been printed already.
 class AnswerIsNo : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Exports, logs, pictures and tables that are complete, as an error that follows names them.
+/// Exports, logs, pictures and tables that are complete; an error that follows lists them.
 class WrittenFiles {
  public:
   void push_back(const std::string& name);
@@ -70,7 +70,7 @@ class WrittenFiles {
   std::vector<std::string> names_;
 };
 
-/// Where a verb reads and writes, and how.
+/// The streams and common options of a command.
 struct Context {
   std::istream& in;
   std::ostream& out;
@@ -78,42 +78,45 @@ struct Context {
   bool json = false;
   bool quiet = false;
   WrittenFiles written = {};
-  std::string file = {};     ///< that -o names, where `out` goes into it; else empty
-  std::size_t threads = 0;   ///< to use; 0: one for each processor
-  std::uint64_t seed = 1;    ///< of everything random
-  std::string command = {};  ///< the command line that decides what is written
-  bool answered = false;     ///< the JSON object is on `out`: an error that follows adds no second
+  std::string file = {};     ///< value of -o if `out` is written to it; else empty
+  std::size_t threads = 0;   ///< number of threads; 0: one for each processor
+  std::uint64_t seed = 1;    ///< of all random numbers
+  std::string command = {};  ///< the command line, without options that do not affect files
+  bool answered = false;     ///< the JSON object was written to `out`; an error that follows adds
+                             ///< no second one
   mutable std::set<std::string> noted = {};
 
-  /// One line on the error stream that is not an error; silent with --quiet, and said once.
+  /// Writes one line that is not an error to the error stream. Does nothing with --quiet, and
+  /// writes each line only once.
   void note(const std::string& line) const;
-  /// One such line for each of `texts`, with `start` before it: "fly: note: ".
+  /// Calls note() for each of `texts`, preceded by `start`, e.g. "fly: note: ".
   void notes(const std::string& start, const std::vector<std::string>& texts) const;
 
-  /// As write_file(), and keeps in mind that the file is complete.
+  /// As write_file(), and records that the file is complete.
   void write(const std::string& name, const std::string& bytes,
              const std::function<bool()>& stop = interrupted);
 
-  /// Writes a result to `out`: with --json its JSON and a line feed, else its text as it is. The
-  /// other of the two is not asked for.
+  /// Writes a result to `out`: its JSON and a line feed with --json, otherwise its text. The other
+  /// one is not computed.
   void print(const std::function<internal::Json()>& json, const std::function<std::string()>& text);
 };
 
-/// Runs a verb whose options have been parsed.
+/// Runs a command whose options have been parsed.
 using Action = std::function<void(Context&)>;
 
-/// One verb: a row of the table from which help, man page and completion are made.
+/// One command: a row of the table from which help, man page and completion are generated.
 struct Verb {
-  std::string name;     ///< one word, or two: "tune lqr" is one kind of tuning
+  std::string name;     ///< one word, or two, e.g. "tune lqr"
   std::string usage;    ///< what follows the name, e.g. "V [options]"
   std::string summary;  ///< one line
   std::string example;  ///< a command that works as printed from the project's root
-  std::function<Action(CommandLine&)> define;  ///< adds the options, gives what to run
+  std::function<Action(CommandLine&)> define;  ///< adds the options and returns the action
 };
 
-/// Verb::define of a verb with options of its own.
+/// Verb::define of a command with its own options.
 /// @param add  adds them to the command line
-/// @param run  called after parse() with the options and the context, or with the line before them
+/// @param run  called after parse() with the options and the context, or with the command line, the
+///             options and the context
 template <class Options, class Run>
 std::function<Action(CommandLine&)> with_options(void (*add)(CommandLine&, Options&), Run run) {
   return [add, run](CommandLine& line) -> Action {
@@ -128,35 +131,37 @@ std::function<Action(CommandLine&)> with_options(void (*add)(CommandLine&, Optio
   };
 }
 
-/// An option of every verb, beside -o.
+/// An option of every command, in addition to -o.
 struct CommonOption {
-  const char *name, *type, *description;  ///< the type with the blank before it; "": a flag
+  const char *name, *type, *description;  ///< the type with a leading blank; "": a flag
 };
 inline constexpr CommonOption kCommonOptions[] = {
-    {"--json", "", "print one JSON object instead of the text"},
-    {"--quiet", "", "no notes on the error stream"},
-    {"--seed", " N", "fixes everything random; 1"},
-    {"--threads", " N", "at most so many at once; one for each processor"}};
+    {"--json", "", "print one JSON object instead of text"},
+    {"--quiet", "", "print no notes on the error stream"},
+    {"--seed", " N", "seed of all random numbers; default 1"},
+    {"--threads", " N", "number of threads; default: one for each processor"}};
 
-/// All verbs in the order in which the work flows.
+/// All commands, in the order of a typical workflow.
 [[nodiscard]] const std::vector<Verb>& verbs();
 
-/// The second words of the verbs of two words that begin with `first`; none where there is no such.
+/// The second words of the two-word commands that begin with `first`; empty if there are none.
 [[nodiscard]] std::vector<std::string> kinds_of(const std::string& first);
 
-/// Runs `quadtune ARGS…` and returns its exit status. No exception leaves it. What it prints is fit
-/// for a terminal: visible_text().
-/// @param width  of the terminal that `out` is [characters], for which text is folded; 0: none
+/// Runs `quadtune ARGS…` and returns its exit status. It throws no exception. Its output is safe
+/// for a terminal, see visible_text().
+/// @param width  of the terminal that `out` writes to [characters], to which text is folded; 0: not
+///               a terminal
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err, std::size_t width = 0);
 
-/// For main(): what would end the process by std::terminate() is told as any other error, and ends
-/// it with kInternal.
+/// For main(): an event that would call std::terminate() is reported like any other error and ends
+/// the process with kInternal.
 void install_last_handler();
 
-/// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
-/// or a pipe is written to as it is.
-/// @param stop  asked before it is put in place; none: it is written although a signal came
+/// Writes one file completely or not at all, and creates missing directories. A symbolic link is
+/// kept and its target is replaced; a device or a pipe is written to directly.
+/// @param stop  polled before the file is put in place; if empty, the file is written even after a
+///              signal
 /// @throws FileError, Interrupted  as write_files()
 void write_file(const std::string& file, const std::string& bytes,
                 const std::function<bool()>& stop = interrupted);

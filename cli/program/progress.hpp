@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far long work is.
+/// Progress of long computations.
 #pragma once
 
 #include <chrono>
@@ -9,11 +9,11 @@ namespace quadtune::cli {
 
 struct Context;
 
-/// One line on the error stream that is written over while work goes on, and taken away at its end;
-/// on a terminal only, and neither with --quiet nor with --json.
+/// A line on the error stream that is overwritten while the computation runs and erased at its end.
+/// It is shown on a terminal only, and neither with --quiet nor with --json.
 class Progress {
  public:
-  /// @param pause  at least so long between two lines
+  /// @param pause  minimum time between two lines
   explicit Progress(const Context& context, std::chrono::milliseconds pause = {});
   ~Progress();
   Progress(const Progress&) = delete;
@@ -21,7 +21,7 @@ class Progress {
 
   void show(const std::string& line);
 
-  /// Since the work began [s].
+  /// Time since construction [s].
   [[nodiscard]] double seconds() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A command line that is wrong, and an answer that is no before there is anything to print.
+/// Errors for an invalid command line, and for a negative answer before anything is printed.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace quadtune::cli {
 
 /// @param where  the option or argument concerned, for scripts
-/// @param text   what follows "quadtune VERB: ", a format of the values
+/// @param text   format of the message that follows "quadtune VERB: "
 /// @throws UsageError
 template <class... Values>
 [[noreturn]] void refuse(const std::string& verb, const std::string& where,
@@ -20,8 +20,8 @@ template <class... Values>
   throw UsageError(fmt::format("quadtune {}: {}", verb, fmt::format(text, values...)), where);
 }
 
-/// Unlike any other AnswerIsNo it is told as an error is: with --json as an object, and without a
-/// file that -o names.
+/// A negative answer that, unlike any other AnswerIsNo, is reported like an error: with --json as
+/// an object, and without writing the file of -o.
 class Refusal : public AnswerIsNo {
  public:
   /// @param where  the file or vehicle concerned, for scripts.

@@ -46,7 +46,7 @@ int StandardOutput::sync() { return write_out() ? 0 : -1; }
 bool StandardOutput::write_out() {
   const char* at = pbase();
   const char* const end = pptr();
-  // What could not be written is not tried again.
+  // Bytes that could not be written are discarded.
   setp(bytes_.data(), bytes_.data() + bytes_.size());
   if (at != end) standard_output_has_begun();
   while (at != end) {
@@ -84,7 +84,7 @@ void VisibleText::write_out(bool all) {
     return;
   }
   std::size_t ready = waiting_.size();
-  // The last bytes may be the beginning of a character that goes on.
+  // The last bytes may be the beginning of a multibyte character.
   for (std::size_t back = 1; !all && back <= std::min<std::size_t>(3, waiting_.size()); ++back) {
     const auto byte = static_cast<unsigned char>(waiting_[waiting_.size() - back]);
     if ((byte & 0xc0U) == 0x80) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Standard input and output for streams, so that a signal ends a wait for either, and what goes to
-/// a terminal made fit for it.
+/// Stream buffers of standard input and output whose waits end at a signal, and one that makes
+/// output safe for a terminal.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ namespace quadtune::cli {
 /// Reads standard input.
 class StandardInput : public std::streambuf {
  protected:
-  /// @throws Interrupted  when a signal came while nothing else did; nothing of what was read so
-  ///                      far may be taken for the whole.
+  /// @throws Interrupted  if a signal arrives while waiting for input; the input read so far is
+  ///                      incomplete.
   /// @throws FileError    if it cannot be read.
   int_type underflow() override;
 
@@ -23,7 +23,7 @@ class StandardInput : public std::streambuf {
   std::array<char, 65536> bytes_;
 };
 
-/// Writes standard output. After a signal a write that waits for a reader fails.
+/// Writes standard output. After a signal, a write that would wait for a reader fails.
 class StandardOutput : public std::streambuf {
  public:
   StandardOutput();
@@ -39,11 +39,12 @@ class StandardOutput : public std::streambuf {
   std::array<char, 65536> bytes_;
 };
 
-/// Writes to another stream, as internal::visible_text(). Characters may come in pieces.
+/// Writes the result of internal::visible_text() to another stream. Multibyte characters may arrive
+/// in pieces.
 class VisibleText : public std::streambuf {
  public:
-  /// @param width  of the terminal [characters], for which text is report::folded() at each flush;
-  /// 0: none
+  /// @param width  of the terminal [characters]; the text is folded to it by report::folded() at
+  ///               each flush; 0: not folded
   VisibleText(std::ostream& to, std::size_t width) : to_(to), width_(width) {}
 
  protected:
@@ -52,16 +53,17 @@ class VisibleText : public std::streambuf {
   int sync() override;
 
  private:
-  /// @param all  whether nothing more comes
+  /// @param all  whether no more text follows
   void write_out(bool all);
 
   std::ostream& to_;
   std::size_t width_;
-  std::string waiting_;  // the beginning of a character, or all until a flush where it is folded
+  std::string waiting_;  // the first bytes of a character, or all text since the last flush if it
+                         // is folded
 };
 
-/// Columns of the terminal that a descriptor is, by the terminal itself or else COLUMNS; 0 if it is
-/// none.
+/// Number of columns of the terminal of a descriptor, from the terminal itself or else from
+/// COLUMNS; 0 if it is not a terminal.
 [[nodiscard]] std::size_t terminal_width(int descriptor);
 
 }  // namespace quadtune::cli

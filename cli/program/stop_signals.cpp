@@ -18,15 +18,15 @@
 namespace quadtune::cli {
 namespace {
 
-// How long after a signal the process ends itself, and after how long it looks again where files
-// were being written [ns].
+// The time between a signal and the end of the process, and the time until the next attempt if
+// files are being written [ns].
 constexpr long kAfterSignal = 400'000'000;
 constexpr long kLookAgain = 20'000'000;
-// A signal that follows the first within this is the same: `timeout` sends one to the process and
-// one to its group [ns].
+// A second signal within this time counts as the first one: `timeout` sends one to the process and
+// one to its process group [ns].
 constexpr std::int64_t kSameSignal = 200'000'000;
 
-// All that the handlers touch: atomics without locks, and functions that POSIX allows there.
+// All state that the handlers use: lock-free atomics. They call only async-signal-safe functions.
 std::atomic<bool> stop_asked{false};
 std::atomic<bool> asked_again{false};
 std::atomic<bool> told_to_wait{false};
@@ -36,7 +36,7 @@ std::atomic<Says> last_said{Says::nobody};
 std::atomic<bool> ending_waited_for{false};
 std::atomic<std::int64_t> first_asked{0};  // [ns]
 std::atomic<int> keepers{0};
-/// How many write files; kEnding once the process ends: then nobody begins to.
+/// Number of objects that write files; kEnding once the process is ending, when none may start.
 constexpr int kEnding = -1;
 std::atomic<int> writers{0};
 struct LastWords {
@@ -47,7 +47,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 static_assert(std::atomic<const LastWords*>::is_always_lock_free);
 
-timer_t timer;  // set up before the handlers are
+timer_t timer;  // created before the handlers are installed
 bool on_terminal = false;
 
 void start_timer(long ns) {
@@ -56,16 +56,16 @@ void start_timer(long ns) {
   ::timer_settime(timer, 0, &when, nullptr);
 }
 
-/// A stream that takes nothing now, such as a full pipe that nobody reads, stays without the text.
+/// Writes nothing if the stream is not ready, e.g. a full pipe that nobody reads.
 void say(int stream, std::string_view text) {
   pollfd ready = {stream, POLLOUT, 0};
   if (::poll(&ready, 1, 0) != 1 || (ready.revents & POLLOUT) == 0) return;
-  // All in one, so that it is not mixed with what others write.
+  // A single write, so that the text is not mixed with other output.
   [[maybe_unused]] const ssize_t ignored = ::write(stream, text.data(), text.size());
 }
 
 void say_line(std::string_view line) {
-  // Progress may stand on the line.
+  // Erases a progress line.
   if (on_terminal) say(STDERR_FILENO, "\r\033[K");
   say(STDERR_FILENO, line);
 }
@@ -106,7 +106,7 @@ extern "C" void end_unless_writing(int) {
     if (words != nullptr && !output_begun.load()) say(STDOUT_FILENO, words->json);
     ::_exit(kInterrupted);
   } else if (!ending_waited_for.exchange(true)) {
-    start_timer(kAfterSignal);  // the program itself is saying them
+    start_timer(kAfterSignal);  // the program itself is printing its last words
   } else {
     ::_exit(kInterrupted);
   }
@@ -129,19 +129,19 @@ void install_signal_handlers() {
   ::sigemptyset(&alarm);
   ::sigaddset(&alarm, SIGALRM);
   ::sigprocmask(SIG_UNBLOCK, &alarm, nullptr);
-  // Without a timer the system's own answer to a signal is better than none.
+  // Without a timer, the default action of a signal is better than none.
   if (timed) {
     action.sa_handler = ask_to_stop;
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
       struct sigaction old = {};
-      // nohup has SIGHUP ignored.
+      // nohup ignores SIGHUP.
       if (signal == SIGHUP && ::sigaction(signal, nullptr, &old) == 0 && old.sa_handler == SIG_IGN)
         continue;
       ::sigaction(signal, &action, nullptr);
     }
   }
-  // A file beyond the size limit, or a reader that has gone, is then an error of the write, which
-  // cleans up, and not the end of the process.
+  // With these signals ignored, a file beyond the size limit or a closed pipe becomes a write
+  // error, which is handled, and does not end the process.
   struct sigaction ignore = {};
   ignore.sa_handler = SIG_IGN;
   for (const int signal : {SIGXFSZ, SIGPIPE}) ::sigaction(signal, &ignore, nullptr);
@@ -159,7 +159,7 @@ WritingFiles::WritingFiles() {
   }
 }
 WritingFiles::~WritingFiles() {
-  // Time to say what was written.
+  // Leaves time to report what was written.
   if (interrupted()) start_timer(kAfterSignal);
   --writers;
 }
@@ -171,7 +171,7 @@ KeepsTheBest::~KeepsTheBest() {
 }
 
 void set_last_words(const std::string& line, const std::string& json) {
-  // A handler may read any of them at any time, until the process is gone: all are kept.
+  // A handler may read any of them at any time until the process ends, so all are kept.
   static std::mutex& mutex = *new std::mutex;
   static std::deque<LastWords>& all = *new std::deque<LastWords>;
   const std::lock_guard lock(mutex);

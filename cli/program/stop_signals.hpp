@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// SIGINT, SIGTERM and SIGHUP. They set a flag that long work polls. Whatever does not poll it in
-/// time (a library's computation, a read from a pipe in which nothing comes) is ended from outside:
-/// a timer says `interrupted` and ends the process with status 130, unless files are being written.
+/// Handling of SIGINT, SIGTERM and SIGHUP. They set a flag that long computations poll. Whatever
+/// does not poll it in time (a computation of a library, a read from an idle pipe) is ended from
+/// outside: a timer prints `interrupted` and ends the process with status 130, unless files are
+/// being written.
 #pragma once
 
 #include <string>
 
 namespace quadtune::cli {
 
-/// For main(). A second signal ends the process at once, files excepted.
+/// For main(). A second signal ends the process at once, except while files are being written.
 void install_signal_handlers();
 
-/// True once a signal came; long work and file writing poll it.
+/// True after a signal; long computations and file writing poll it.
 [[nodiscard]] bool interrupted();
 
-/// While one exists no signal ends the process: what is written is written whole or taken back.
-/// For work that polls interrupted() or is short.
+/// While an object exists, no signal ends the process, so that files are written completely or
+/// removed again. For work that polls interrupted() or is short.
 class WritingFiles {
  public:
   WritingFiles();
@@ -24,8 +25,9 @@ class WritingFiles {
   WritingFiles& operator=(const WritingFiles&) = delete;
 };
 
-/// While one exists the first signal leaves the process to work that polls interrupted() and then
-/// prints and writes the best that it found. The user is told so; a second signal ends the process.
+/// While an object exists, the first signal does not end the process: the work polls interrupted()
+/// and then prints and writes the best result so far. A message says so; a second signal ends the
+/// process.
 class KeepsTheBest {
  public:
   KeepsTheBest();
@@ -34,15 +36,15 @@ class KeepsTheBest {
   KeepsTheBest& operator=(const KeepsTheBest&) = delete;
 };
 
-/// What the timer prints.
+/// Sets what the timer prints before it ends the process.
 /// @param line  for standard error, without a line feed
-/// @param json  for standard output unless something is there already; empty: nothing
+/// @param json  for standard output unless something has been written there; empty: nothing
 void set_last_words(const std::string& line, const std::string& json);
 
-/// The program says them itself, as it ends in its own way.
+/// Claims the last words: the program prints its own and ends normally.
 void take_last_words();
 
-/// From now on something is on standard output.
+/// Records that something has been written to standard output.
 void standard_output_has_begun();
 
 }  // namespace quadtune::cli

@@ -20,11 +20,11 @@
 namespace quadtune::cli {
 namespace {
 
-/// The run that a signal, or a call of std::terminate(), ends: it may come at any time.
+/// The run whose errors are reported; a signal or std::terminate() may end it at any time.
 std::atomic<const Context*> running{nullptr};
 std::atomic<bool> json_asked{false};
 
-/// After an error the user must know which directories were replaced already.
+/// After an error the user must know which directories have been replaced.
 std::string what_is_written(const WrittenFiles& written) {
   std::string text;
   for (const std::string& directory : written)
@@ -38,7 +38,7 @@ std::string error_json(int status, const std::string& message, const std::string
        {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
 }
 
-/// One line on the error stream and, for scripts, one object on the output.
+/// Writes one line to the error stream and, for scripts, one object to the output.
 int fail(const Context& context, int status, const std::string& message, const std::string& where) {
   if (status == kInterrupted) take_last_words();
   context.err << error_line(message) << "\n";
@@ -54,15 +54,15 @@ void tell_if_interrupted(const WrittenFiles& written) {
 
 int fail_inside(const Context& context, const std::string& what) {
   return fail(context, kInternal,
-              fmt::format("quadtune: an error in quadtune itself: {}; please report it, with the "
-                          "command and its input{}",
+              fmt::format("quadtune: an error in quadtune itself: {}; please report it together "
+                          "with the command and its input{}",
                           what, what_is_written(context.written)),
               "");
 }
 
 [[noreturn]] void end_after_last_words() {
   static std::atomic<bool> begun{false};
-  if (begun.exchange(true)) ::_exit(kInternal);  // telling it fails as well
+  if (begun.exchange(true)) ::_exit(kInternal);  // reporting the error failed as well
   const Context* const context = running.load();
   if (context == nullptr) ::_exit(kInternal);
   std::string what = "std::terminate() was called";
@@ -71,7 +71,7 @@ int fail_inside(const Context& context, const std::string& what) {
   } catch (const std::exception& error) {
     what = error.what();
   } catch (...) {
-    what = "an exception without a text";
+    what = "an exception of unknown type";
   }
   const int status = fail_inside(*context, what);
   context->out.flush();
@@ -90,7 +90,7 @@ void begin_telling_errors(const Context& context) {
 void end_telling_errors() { running.store(nullptr); }
 
 int tell_exception(const Context& context, const std::vector<std::string>& args) {
-  context.out.flush();  // an error comes after what it is about
+  context.out.flush();  // an error follows the output that it concerns
   try {
     throw;
   } catch (const Refusal& error) {
@@ -99,19 +99,20 @@ int tell_exception(const Context& context, const std::vector<std::string>& args)
     context.err << error_line(error.what()) << "\n";
     return kAnswerIsNo;
   } catch (const std::exception&) {
-    // What fails after a signal mostly fails by it: a child that has ended, a read cut short.
+    // A failure after a signal is usually caused by it: a child process ended, a read was
+    // interrupted.
     if (interrupted())
       return fail(context, kInterrupted, Interrupted().what() + what_is_written(context.written),
                   "");
   } catch (...) {
-    // Not even that: told below.
+    // Not a std::exception; reported below.
   }
   try {
     throw;
   } catch (const UsageError& error) {
     return fail(context, kUsage, error.what(), error.where());
   } catch (const InvalidInput& error) {
-    // What an option says is the command line; what a file says is the input.
+    // An invalid option is an error of the command line; an invalid file is an error of the input.
     const bool option = error.where().starts_with("--");
     return fail(context, option ? kUsage : kBadInput, error.what() + who_takes(args, error.where()),
                 error.where());
@@ -133,7 +134,7 @@ int tell_exception(const Context& context, const std::vector<std::string>& args)
   } catch (const std::exception& error) {
     return fail_inside(context, error.what());
   } catch (...) {
-    return fail_inside(context, "an exception without a text");
+    return fail_inside(context, "an exception of unknown type");
   }
 }
 

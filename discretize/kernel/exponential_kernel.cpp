@@ -14,10 +14,10 @@ namespace {
 
 using Eigen::Index;
 
-// A Taylor polynomial of φ(X) = (e^X - I) X⁻¹ = Σ Xᵏ/(k+1)! and where it is good enough: the terms
-// left out add to less than 2⁻⁵⁴ while α ≤ theta, α = max(‖X²‖^½, ‖X³‖^⅓) [Al-Mohy, Higham 2009,
-// theorem 4.2: ‖Xᵏ‖ ≤ αᵏ for k ≥ 2]. Degrees 3r + 2 use all of I, X, X² and cost r products after
-// X³.
+// A Taylor polynomial of φ(X) = (e^X - I) X⁻¹ = Σ Xᵏ/(k+1)! and its range of validity: the sum of
+// the omitted terms is below 2⁻⁵⁴ as long as α ≤ theta, α = max(‖X²‖^½, ‖X³‖^⅓) [Al-Mohy, Higham
+// 2009, theorem 4.2: ‖Xᵏ‖ ≤ αᵏ for k ≥ 2]. Degrees 3r + 2 use I, X and X² fully and cost r products
+// in addition to X³.
 struct Degree {
   int degree;
   double theta;
@@ -28,7 +28,7 @@ constexpr std::array<Degree, 6> kDegrees{{
     {8, 0.08362085238227049},
     {11, 0.28893581117980704},
     {14, 0.6356709251667247},
-    {17, 1.1084348681247873},  // beyond, a doubling costs less than more terms
+    {17, 1.1084348681247873},  // above this, a doubling costs less than more terms
 }};
 
 constexpr std::array<double, 18> inverse_factorials() {
@@ -46,7 +46,7 @@ bool within(double X2_norm, double X3_norm, double theta) {
   return X2_norm <= theta * theta && X3_norm <= theta * theta * theta;
 }
 
-// ‖e^(Ah)‖ below which squaring it loses less than squaring e^(Ah) - I.
+// If ‖e^(Ah)‖ is smaller, squaring it is more accurate than squaring e^(Ah) - I.
 constexpr double kDecayed = 0.5;
 
 }  // namespace
@@ -57,7 +57,7 @@ Index ExponentialKernel::storage_size(Index n, Index nu) {
 
 ExponentialKernel::ExponentialKernel(Index n, Index nu, double* storage)
     : n_(n), nu_(nu), ld_(padded(n)), cols_(padded(nu)), size_(ld_ * ld_) {
-  // What is computed is zero in the padding because these three are.
+  // The results are zero in the padding because these three are.
   I_ = storage;
   X_ = I_ + size_;
   H_ = X_ + size_;
@@ -77,7 +77,7 @@ ExponentialStatus ExponentialKernel::solve(const Eigen::Ref<const Eigen::MatrixX
   has_identity_ = false;
   load(A, B, dt);
   int doublings = 0;
-  // An infinity or NaN of X is one of X³ as well, because 0 · ∞ is NaN.
+  // An infinity or NaN in X propagates to X³, because 0 · ∞ is NaN.
   if (!look_at_powers()) {
     doublings = load_scaled(A, dt);
     if (!look_at_powers()) return no_result(E, integral);
@@ -102,10 +102,10 @@ void ExponentialKernel::load(const Eigen::Ref<const Eigen::MatrixXd>& A,
   step_ = dt;
 }
 
-// For ‖A dt‖ whose powers, or which itself, overflow: X = A dt / 2^s with ‖X‖ ≤ 1. Returns s.
+// For ‖A dt‖ that overflows, or whose powers do: X = A dt / 2^s with ‖X‖ ≤ 1. Returns s.
 int ExponentialKernel::load_scaled(const Eigen::Ref<const Eigen::MatrixXd>& A, double dt) {
   if (!A.allFinite()) return 0;
-  // A and dt are brought near 1 first: their product may itself be out of range.
+  // Scales A and dt to about 1 first, because their product may overflow.
   const int A_exponent = std::ilogb(A.cwiseAbs().maxCoeff());
   const int dt_exponent = std::ilogb(dt);
   const int doublings = A_exponent + dt_exponent + std::ilogb(static_cast<double>(n_)) + 3;
@@ -126,7 +126,8 @@ bool ExponentialKernel::look_at_powers() {
   return std::isfinite(X2_norm_) && std::isfinite(X3_norm_);
 }
 
-// Halves X until the highest degree is good enough; returns how often. Powers of two are exact.
+// Halves X until the highest degree is accurate; returns the number of halvings. Powers of two are
+// exact.
 int ExponentialKernel::halve() {
   int halvings = 0;
   for (; !within(X2_norm_, X3_norm_, kDegrees.back().theta); ++halvings) {
@@ -166,8 +167,9 @@ void ExponentialKernel::double_integral() {
   std::swap(G_, H_);
 }
 
-// From h to 2h: e^(2Ah) - I = 2 F + F². Beside fast modes, F keeps the digits of a slow one, which
-// e^(Ah) = 1 + small would round away. Once everything decays, e^(Ah) is what is small.
+// From h to 2h: e^(2Ah) - I = 2 F + F². F keeps the digits of a slow mode, which rounding would
+// remove from e^(Ah) = 1 + small. Once all modes have decayed, e^(Ah) itself is small and is used
+// instead.
 void ExponentialKernel::double_up(int times) {
   for (; times > 0; --times) {
     double_integral();

@@ -14,7 +14,7 @@ ContinuousLti realize_for_sampling(const ContinuousTransferFunction& plant, doub
   ContinuousLti result = realize(plant);
   const Index n = result.A.rows();
   if (n < 2) return result;
-  // A power of two, at most such that its n-th power is a number.
+  // A power of two, limited so that its n-th power does not overflow.
   const double ratio = std::min(std::scalbn(1.0, -std::ilogb(dt)) / result.A(1, 0),
                                 std::scalbn(1.0, 900 / static_cast<int>(n)));
   if (!(ratio > 1)) return result;

@@ -10,11 +10,11 @@
 namespace quadtune::internal {
 namespace {
 
-// Wider vectors gain nothing at a dozen states.
+// Wider vectors are not faster for a dozen states.
 using V = Vector<double, kVectorLength>;
 
-// Keeps a vector that is used four times in a register: the compiler would load it four times, and
-// loads are what such a product waits for.
+// Keeps a vector that is used four times in a register. The compiler would load it four times, and
+// loads are the bottleneck of these products.
 [[gnu::always_inline]] inline V keep_in_register(V a) {
 #ifdef __AVX__
   asm("" : "+x"(a));
@@ -22,7 +22,7 @@ using V = Vector<double, kVectorLength>;
   return a;
 }
 
-// What the accumulators of the vector at an offset into C start from.
+// The initial values of the accumulators for the vector at an offset into C.
 struct FromZero {
   V operator()(std::ptrdiff_t /*offset*/) const { return V{}; }
 };
@@ -39,7 +39,7 @@ struct FromCombination {
   }
 };
 
-// kVectors vectors of rows by four columns of C at `offset`: a tile whose rows are columns of C.
+// Computes a tile of kVectors vectors of rows by four columns of C at `offset`; C is column-major.
 template <int kVectors, class Start>
 [[gnu::always_inline]] inline void tile(const double* A, const double* B, double* C,
                                         std::ptrdiff_t offset, std::ptrdiff_t rows,
@@ -52,7 +52,7 @@ template <int kVectors, class Start>
   sum.each([&](int j, int v, V x) { store(C + offset + j * rows + v * kVectorLength, x); });
 }
 
-// Three vectors by four columns fill twelve of sixteen registers; 4 = 2 + 2 beats 3 + 1.
+// Three vectors by four columns fill twelve of sixteen registers; 4 = 2 + 2 is faster than 3 + 1.
 template <class Start>
 [[gnu::always_inline]] inline void product(const double* A, const double* B, double* C,
                                            std::ptrdiff_t rows, std::ptrdiff_t depth,
@@ -72,7 +72,7 @@ template <class Start>
 template <class Start>
 void multiply_from(const double* A, const double* B, double* C, std::ptrdiff_t rows,
                    std::ptrdiff_t depth, std::ptrdiff_t cols, const Start& start) {
-  // Constants where a vehicle's models are: the compiler unrolls and folds every address.
+  // Constant sizes for the models of a vehicle let the compiler unroll and fold all addresses.
   if (rows == 12 && depth == 12)
     product(A, B, C, 12, 12, cols, start);
   else if (rows == 16 && depth == 16)
@@ -110,7 +110,7 @@ void copy_scaled(double a, const double* from, std::ptrdiff_t from_stride, doubl
   for (std::ptrdiff_t j = 0; j < cols; ++j, from += from_stride, to += to_stride) {
     std::ptrdiff_t i = 0;
     for (; i + kVectorLength <= rows; i += kVectorLength) {
-      V x;  // the caller's memory may lie anywhere
+      V x;  // the caller's memory may be unaligned
       std::memcpy(&x, from + i, sizeof x);
       x *= a;
       std::memcpy(to + i, &x, sizeof x);
@@ -124,9 +124,9 @@ double norm(const double* M, std::ptrdiff_t rows, std::ptrdiff_t cols) {
   V sums = {};
   for (std::ptrdiff_t i = 0; i < rows; i += kVectorLength) {
     V sum = {};
-    for (std::ptrdiff_t j = 0; j < cols; ++j) sum += magnitude(load<V>(M + i + j * rows));
+    for (std::ptrdiff_t j = 0; j < cols; ++j) sum += abs_of(load<V>(M + i + j * rows));
     largest = sum > largest ? sum : largest;
-    sums += sum;  // a comparison lets NaN pass, a sum does not
+    sums += sum;  // unlike a comparison, a sum propagates NaN
   }
   double result = 0;
   for (int i = 0; i < kVectorLength; ++i) result = largest[i] > result ? largest[i] : result;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Arithmetic on small matrices that are stored padded to whole vectors: no remainder loops, no
-/// packing, no allocation. All are column-major with the leading dimension `rows` and aligned to a
-/// vector; rows and columns beyond the matrix are zero.
+/// Arithmetic on small matrices that are padded to whole vectors: no remainder loops, no packing,
+/// no allocation. All matrices are column-major with leading dimension `rows` and aligned to a
+/// vector; the padding rows and columns are zero.
 #pragma once
 
 #include <cstddef>
 
 namespace quadtune::internal {
 
-/// Doubles of one vector: rows and columns of a padded matrix are a multiple of this.
+/// Doubles per vector: the rows and columns of a padded matrix are multiples of it.
 inline constexpr std::ptrdiff_t kVectorLength = 4;
 
 /// The next multiple of kVectorLength.
@@ -16,18 +16,18 @@ constexpr std::ptrdiff_t padded(std::ptrdiff_t n) {
   return (n + kVectorLength - 1) / kVectorLength * kVectorLength;
 }
 
-/// Are the accumulators started at zero or at what the result holds already?
+/// Whether the accumulators start at zero or at the present result.
 enum class Start { zero, result };
 
-/// C = A B, or C += A B. C is none of A and B.
+/// C = A B, or C += A B. C must be neither A nor B.
 ///
 /// @param rows   rows of A and C, a multiple of kVectorLength
-/// @param depth  columns of A and rows of B that may be non-zero, ≤ rows
+/// @param depth  columns of A and rows of B that may be nonzero, ≤ rows
 /// @param cols   columns of B and C, a multiple of kVectorLength
 void multiply(const double* A, const double* B, double* C, std::ptrdiff_t rows,
               std::ptrdiff_t depth, std::ptrdiff_t cols, Start start);
 
-/// a A + b B + c C, formed where it is used.
+/// The linear combination a A + b B + c C, evaluated where it is used.
 struct Combination {
   double a;
   const double* A;
@@ -37,7 +37,7 @@ struct Combination {
   const double* C;
 };
 
-/// C = A B + start, as multiply().
+/// C = A B + start, otherwise like multiply() above.
 void multiply(const double* A, const double* B, double* C, std::ptrdiff_t rows,
               std::ptrdiff_t depth, std::ptrdiff_t cols, const Combination& start);
 
@@ -51,7 +51,7 @@ void scale(double a, const double* A, double* S, std::ptrdiff_t size);
 void copy_scaled(double a, const double* from, std::ptrdiff_t from_stride, double* to,
                  std::ptrdiff_t to_stride, std::ptrdiff_t rows, std::ptrdiff_t cols);
 
-/// ‖M‖∞, the largest row sum of absolute values; infinity when any entry is not finite or the sums
+/// ‖M‖∞, the largest row sum of absolute values; infinity if any entry is not finite or the sums
 /// overflow.
 [[nodiscard]] double norm(const double* M, std::ptrdiff_t rows, std::ptrdiff_t cols);
 

@@ -24,7 +24,7 @@ int whole_samples(double delay, double dt, const std::string& where) {
   const Samples samples = in_samples(delay, dt, where);
   if (samples.fraction == 0) return samples.whole;
   throw InvalidInput(where, fmt::format("the delay is {} s, expected a whole number of samples of "
-                                        "{} s because a fraction of one is exact by zoh only",
+                                        "{} s because only zoh is exact for fractions of a sample",
                                         delay, dt));
 }
 

@@ -21,8 +21,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// A sample of delay is a state, and the matrices of the states are full.
-constexpr double kMostSamples = 2000;
+// Each sample of delay adds a state, and the matrices of the states are dense.
+constexpr double kMaxSamples = 2000;
 
 using internal::Samples;
 
@@ -37,14 +37,14 @@ std::vector<Samples> in_samples(const Eigen::VectorXd& delays, Index channels, d
     if (!(delays[i] >= 0) || !std::isfinite(delays[i]))
       throw InvalidInput("delays",
                          fmt::format("the delay of {} {} is {} s, expected a finite number of 0 or "
-                                     "more because the future is not known",
+                                     "more because a negative delay is not causal",
                                      what, i + 1, delays[i]));
     total += delays[i] / dt;
-    if (total > kMostSamples)
-      throw InvalidInput("delays",
-                         fmt::format("the delays up to {} {} are {:.6g} samples, expected at most "
-                                     "{} altogether because every one is a state",
-                                     what, i + 1, total, kMostSamples));
+    if (total > kMaxSamples)
+      throw InvalidInput(
+          "delays", fmt::format("the delays up to {} {} add up to {:.6g} samples, expected at most "
+                                "{} because each sample is a state",
+                                what, i + 1, total, kMaxSamples));
     all[static_cast<std::size_t>(i)] = internal::in_samples(delays[i], dt, "delays");
   }
   return all;
@@ -63,7 +63,7 @@ Delays in_samples(const ChannelDelays& delays, Index nu, Index ny, double dt) {
   return result;
 }
 
-/// Every state gets a name, since those that are added have one.
+/// Names for all states; unnamed ones are numbered, because the added states have names.
 std::vector<Signal> named(const std::vector<Signal>& signals, Index count, const char* letter) {
   std::vector<Signal> all = signals;
   for (Index i = std::ssize(all); i < count; ++i)
@@ -75,7 +75,7 @@ Signal past(const Signal& signal, double samples) {
   return {fmt::format("{}[k-{:.6g}]", signal.name, samples), signal.unit};
 }
 
-/// The plant with `count` more states, zero everywhere.
+/// Adds `count` zero states to the plant.
 void append_states(DiscreteLti& plant, Index count) {
   const Index n = plant.A.rows();
   plant.A.conservativeResizeLike(MatrixXd::Zero(n + count, n + count));
@@ -83,7 +83,7 @@ void append_states(DiscreteLti& plant, Index count) {
   plant.C.conservativeResizeLike(MatrixXd::Zero(plant.C.rows(), n + count));
 }
 
-/// Ones that hand each of `count` states from `first` on to the next.
+/// Sets ones in A so that each of `count` states from `first` on copies its predecessor.
 void chain(DiscreteLti& plant, Index first, Index count) {
   for (Index i = first; i + 1 < first + count; ++i) plant.A(i + 1, i) = 1;
 }
@@ -138,13 +138,13 @@ Exponential exponential(const MatrixXd& A, const MatrixXd& b, double h) {
   return result;
 }
 
-/// The plant h after a sample instant, 0 < h ≤ dt, fractions of a sample being the only delays:
-/// x(k dt + h) = E x[k] + before u[k-1] + now u[k], y likewise by C and the two parts of D.
+/// The plant at time h after a sample, 0 < h ≤ dt, with delays of fractions of a sample only:
+/// x(k dt + h) = E x[k] + before u[k-1] + now u[k]; y likewise with C and the two parts of D.
 struct Later {
   MatrixXd E;
   MatrixXd before;    // (nx × nu)
   MatrixXd now;       // (nx × nu)
-  MatrixXd D_before;  // (ny × nu): columns of the inputs whose u[k] has not yet come
+  MatrixXd D_before;  // (ny × nu): columns of the inputs whose u[k] has not yet arrived
   MatrixXd D_now;
 };
 
@@ -167,9 +167,9 @@ Later later(const ContinuousLti& plant, const MatrixXd& D, const std::vector<Sam
   return result;
 }
 
-/// The hold of a plant whose delays are only their fractions of a sample.
+/// The zero-order hold of a plant with delays of fractions of a sample only.
 DiscreteLti hold_with_fractions(const ContinuousLti& plant, double dt, const Delays& delays) {
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   const MatrixXd C = result.C;
   const MatrixXd D = result.D;
   const std::vector<Signal> inputs = named(plant.inputs, plant.B.cols(), "u");
@@ -180,7 +180,7 @@ DiscreteLti hold_with_fractions(const ContinuousLti& plant, double dt, const Del
   result.A = whole.E;
   result.B = whole.now;
   const Index nx = plant.A.rows();
-  MatrixXd recall = MatrixXd::Zero(plant.B.cols(), nx);  // u[k-1] by the states
+  MatrixXd recall = MatrixXd::Zero(plant.B.cols(), nx);  // u[k-1] as a function of the states
   for (Index j = 0; j < plant.B.cols(); ++j) {
     const Samples& delay = delays.input[static_cast<std::size_t>(j)];
     if (delay.fraction == 0) continue;
@@ -203,7 +203,7 @@ DiscreteLti hold_with_fractions(const ContinuousLti& plant, double dt, const Del
     const Later between = later(plant, D, delays.input, dt, (1 - delay.fraction) * dt);
     const Index state = result.A.rows();
     append_states(result, 1);
-    // y(k dt + h), which is seen φ after: at the next instant.
+    // y(k dt + h) becomes visible φ later, at the next sample.
     result.A.row(state).head(nx) = C.row(i) * between.E;
     result.A.row(state).head(known) +=
         (C.row(i) * between.before + between.D_before.row(i)) * recall;
@@ -223,8 +223,8 @@ void refuse_fraction(const std::vector<Samples>& delays, const Eigen::VectorXd& 
     if (delays[i].fraction > 0)
       throw InvalidInput("delays",
                          fmt::format("the delay of {} {} is {} s, expected a whole number of "
-                                     "samples of {} s because a fraction of one is exact by zoh "
-                                     "only",
+                                     "samples of {} s because only zoh is exact for fractions of a "
+                                     "sample",
                                      what, i + 1, seconds[static_cast<Index>(i)], dt));
 }
 

@@ -15,7 +15,8 @@ DiscreteLti discretize_foh(const ContinuousLti& plant, double dt) {
   internal::require_period(dt, "foh");
   const Index nx = plant.A.rows();
   const Index nu = plant.B.cols();
-  // The input is the integral of its slope, which is held: a plant [x; u] with the slope for input.
+  // The input is the integral of its slope, which is held: [x; u] is a plant whose input is the
+  // slope.
   MatrixXd Z = MatrixXd::Zero(nx + nu, nx + nu);
   Z.topRows(nx) << plant.A, plant.B;
   MatrixXd slope = MatrixXd::Zero(nx + nu, nu);
@@ -26,7 +27,7 @@ DiscreteLti discretize_foh(const ContinuousLti& plant, double dt) {
   const MatrixXd B1 = slope.topRows(nx);
   const MatrixXd B0 = Z.topRightCorner(nx, nu) - B1;
 
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   result.A = Z.topLeftCorner(nx, nx);
   result.B = B0 + result.A * B1;
   result.D += result.C * B1;

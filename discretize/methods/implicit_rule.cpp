@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// The pole of A nearest to 1/(α h), when it is so near that I - α A h is singular to rounding.
+// Rejects a pole of A so close to 1/(α h) that I - α A h is singular up to rounding.
 void refuse_pole(const MatrixXd& A, double dt, const ImplicitRule& rule, const std::string& where) {
   const double forbidden = 1 / (rule.alpha * rule.step);
   const Eigen::VectorXcd poles = A.eigenvalues();
@@ -28,7 +28,7 @@ void refuse_pole(const MatrixXd& A, double dt, const ImplicitRule& rule, const s
   if (distance > rounding * forbidden) return;
   throw InvalidInput(
       where, fmt::format("A has a pole at {:.6g} 1/s, expected none at {} because the "
-                         "transformation sends it to infinity (dt is {} s); take another dt",
+                         "transformation sends it to infinity (dt is {} s); choose another dt",
                          poles[nearest].real(), rule.forbidden, dt));
 }
 
@@ -37,7 +37,7 @@ void refuse_pole(const MatrixXd& A, double dt, const ImplicitRule& rule, const s
 DiscreteLti discretize_by_rule(const ContinuousLti& plant, double dt, const ImplicitRule& rule,
                                const std::string& where) {
   refuse_pole(plant.A, dt, rule, where);
-  DiscreteLti result = written_out(plant, dt);
+  DiscreteLti result = with_explicit_outputs(plant, dt);
   const MatrixXd I = MatrixXd::Identity(plant.A.rows(), plant.A.rows());
   const MatrixXd Ah = plant.A * rule.step;
   const Eigen::PartialPivLU<MatrixXd> lu(I - rule.alpha * Ah);

@@ -15,10 +15,11 @@ void refuse_feedthrough(const Eigen::MatrixXd& D) {
   for (Eigen::Index i = 0; i < D.rows(); ++i)
     for (Eigen::Index j = 0; j < D.cols(); ++j)
       if (D(i, j) != 0)
-        throw InvalidInput("impulse",
-                           fmt::format("D has {:.6g} at ({},{}), expected 0 because the impulse "
-                                       "response then has an impulse, which has no sample",
-                                       D(i, j), i + 1, j + 1));
+        throw InvalidInput(
+            "impulse",
+            fmt::format("D has {:.6g} at ({},{}), expected 0 because otherwise the impulse "
+                        "response contains an impulse, which cannot be sampled",
+                        D(i, j), i + 1, j + 1));
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ DiscreteLti discretize_impulse(const ContinuousLti& plant, double dt) {
   validate(plant, "impulse");
   internal::require_period(dt, "impulse");
   refuse_feedthrough(plant.D);
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   result.A = plant.A;
   Eigen::MatrixXd integral = plant.B;
   if (internal::exponential_and_integral(plant.A, plant.B, dt, result.A, integral) !=

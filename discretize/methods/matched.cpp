@@ -23,13 +23,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// Roots nearer to 0 than this part of ‖A‖ may be one multiple root at 0 that rounding has
+/// Roots closer to 0 than this fraction of ‖A‖ may be a single multiple root at 0 that rounding has
 /// scattered.
 constexpr double kScatter = 1e-3;
-/// Distance of the reference point from every root, times 1/dt.
+/// Minimum distance of the reference point from all roots, times 1/dt.
 constexpr double kClear = 0.01;
 
-/// e^x - 1 without the loss of digits near 0.
+/// e^x - 1 without cancellation near 0.
 std::complex<double> expm1(std::complex<double> x) {
   const double sine = std::sin(0.5 * x.imag());
   return {std::expm1(x.real()) * std::cos(x.imag()) - 2 * sine * sine,
@@ -39,23 +39,25 @@ std::complex<double> expm1(std::complex<double> x) {
 /// (e^x - 1)/x, which is 1 at 0.
 std::complex<double> growth(std::complex<double> x) { return x == 0.0 ? 1.0 : expm1(x) / x; }
 
-/// What the method makes of a plant's poles and zeros.
+/// The images of a plant's poles and zeros.
 struct Matched {
   VectorXcd poles;
   VectorXcd zeros;
-  Index at_minus_one = 0;  ///< zeros that came from infinity
+  Index at_minus_one = 0;  ///< number of zeros that are images of infinity
 };
 
-/// A root other than 0 that goes to z = 1 would give G_d a pole or zero there that G has not at 0.
+/// A nonzero root that is mapped to z = 1 would give G_d a pole or zero there that G does not have
+/// at 0.
 void require_no_whole_turns(const VectorXcd& roots, double dt) {
   constexpr double kRounding = 1e-12;
-  // A root that is fast because it decays has e^x far from 1.
+  // A root with a large negative real part has e^x far from 1.
   for (const std::complex<double>& root : roots)
     if (root != 0.0 && std::abs(root.real() * dt) < 1 && std::abs(growth(root * dt)) < kRounding)
-      throw InvalidInput("matched",
-                         fmt::format("dt is {} s, expected another period because a mode of {:.6g} "
-                                     "rad/s makes whole turns in a sample and would look constant",
-                                     dt, std::abs(root.imag())));
+      throw InvalidInput(
+          "matched",
+          fmt::format("dt is {} s, expected another period because a mode of {:.6g} "
+                      "rad/s completes whole cycles per sample and would appear constant",
+                      dt, std::abs(root.imag())));
 }
 
 Matched matched(const VectorXcd& poles, const VectorXcd& zeros, double dt) {
@@ -71,14 +73,15 @@ Matched matched(const VectorXcd& poles, const VectorXcd& zeros, double dt) {
   return result;
 }
 
-/// The coefficient of the lowest power that has one: with n roots at 0, lim p(s)/sⁿ at s = 0.
+/// The nonzero coefficient of the lowest power: with n roots at 0, the limit of p(s)/sⁿ for s → 0.
 double lowest(const VectorXd& coefficients) {
   Index last = coefficients.size() - 1;
   while (last > 0 && coefficients[last] == 0) --last;
   return coefficients[last];
 }
 
-/// Π (z - e^(r dt)) at z = 1 over the roots r, those at 0 as ((z - 1)/dt)ⁿ.
+/// Π (z - e^(r dt)) at z = 1 over the roots r, where each root at 0 contributes dt = (z - 1)/((z -
+/// 1)/dt).
 std::complex<double> product_at_one(const VectorXcd& roots, double dt) {
   std::complex<double> value = 1;
   for (const std::complex<double>& root : roots) value *= root == 0.0 ? dt : -expm1(root * dt);
@@ -90,7 +93,8 @@ double nearest(const VectorXcd& roots, double s) {
                           : std::numeric_limits<double>::infinity();
 }
 
-/// A real point where G can be computed: 0, or the first of 0.1/dt, 0.2/dt, … clear of all roots.
+/// A real point at which G can be evaluated: 0, or the first of 0.1/dt, 0.2/dt, … away from all
+/// roots.
 double reference_point(const VectorXcd& poles, const VectorXcd& zeros, double dt, double norm_A) {
   const auto clear_of = [&](double s, double distance) {
     return nearest(poles, s) > distance && nearest(zeros, s) > distance;
@@ -101,8 +105,8 @@ double reference_point(const VectorXcd& poles, const VectorXcd& zeros, double dt
   return 0.1 * tenths / dt;
 }
 
-/// Π over the roots r of the ratio between (z - e^(r dt)) at z = e^(s dt) and (s - r) there, over
-/// the same ratio at 0: what turns a gain that is matched at s into one that is matched at 0.
+/// The product over the roots r of the ratio (z - e^(r dt))/(s - r), z = e^(s dt), at 0, divided by
+/// the same ratio at s. It converts a gain that is matched at s to one that is matched at 0.
 std::complex<double> from_reference(const VectorXcd& roots, double s, double dt) {
   std::complex<double> value = 1;
   for (const std::complex<double>& root : roots)
@@ -112,11 +116,12 @@ std::complex<double> from_reference(const VectorXcd& roots, double s, double dt)
 
 void require_one_channel(const ContinuousLti& plant, Index ny) {
   if (plant.B.cols() == 1 && ny == 1) return;
-  throw InvalidInput("matched",
-                     fmt::format("the plant has {} inputs and {} outputs, expected one of each "
-                                 "because zeros belong to a channel; take channels one by one, or "
-                                 "another method",
-                                 plant.B.cols(), ny));
+  throw InvalidInput(
+      "matched",
+      fmt::format("the plant has {} inputs and {} outputs, expected one of each "
+                  "because zeros belong to a channel; discretize the channels one by one or use "
+                  "another method",
+                  plant.B.cols(), ny));
 }
 
 }  // namespace
@@ -127,7 +132,8 @@ DiscreteTransferFunction discretize_matched(const ContinuousTransferFunction& pl
   const VectorXcd poles = polynomial_roots(plant.den);
   const VectorXcd zeros = plant.num.isZero(0) ? VectorXcd() : polynomial_roots(plant.num);
   const Matched to = matched(poles, zeros, dt);
-  // sⁿ G(s) at s = 0 against ((z - 1)/dt)ⁿ G_d(z) at z = 1, where each zero at -1 gives 2.
+  // sⁿ G(s) at s = 0 equals ((z - 1)/dt)ⁿ G_d(z) at z = 1, where each zero at -1 contributes a
+  // factor 2.
   const double value = lowest(plant.num) / lowest(plant.den);
   const std::complex<double> ratio = product_at_one(poles, dt) / product_at_one(zeros, dt);
   const double gain = std::ldexp(value * ratio.real(), -static_cast<int>(to.at_minus_one));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What every method of discretization refuses about its sample period.
+/// Checks of the sample period that all discretization methods share.
 #pragma once
 
 #include <string>

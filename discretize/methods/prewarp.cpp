@@ -18,7 +18,7 @@ double tustin_step(double dt, std::optional<double> prewarp, const std::string& 
     throw InvalidInput(
         where,
         fmt::format("prewarp is {:.6g} rad/s, expected more than 0 and less than {:.6g} rad/s "
-                    "(pi/dt) because samples every {} s do not show other frequencies",
+                    "(pi/dt) because samples every {} s cannot represent other frequencies",
                     w, nyquist, dt));
   return 2 / w * std::tan(w * dt / 2);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The step of Tustin's rule that is exact at one frequency.
+/// The step with which Tustin's rule is exact at one frequency.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace quadtune::internal {
 
-/// dt, or (2/w) tan(w dt/2): the step with which the rule takes jw to e^(jw dt).
+/// dt, or (2/w) tan(w dt/2), the step with which the rule maps jw to e^(jw dt).
 /// @throws InvalidInput  unless 0 < w < π/dt.
 [[nodiscard]] double tustin_step(double dt, std::optional<double> prewarp,
                                  const std::string& where);

@@ -12,7 +12,7 @@
 namespace quadtune {
 namespace {
 
-constexpr std::size_t kListed = 4;  // the fastest, by name
+constexpr std::size_t kListed = 4;  // the number of fastest poles that are listed
 
 std::string text(const std::complex<double>& pole) {
   if (pole.imag() == 0) return fmt::format("pole at {:.6g} 1/s is", pole.real());
@@ -32,10 +32,10 @@ std::vector<std::string> sample_time_warnings(const Eigen::VectorXcd& poles, dou
   std::size_t others = 0;
   for (const std::complex<double>& pole : fast) {
     const std::string line = fmt::format(
-        "the {} fast for dt = {:.6g} s: |pole| dt is {:.3g}, expected at most {}; take dt <= "
+        "the {} fast for dt = {:.6g} s: |pole| dt is {:.3g}, expected at most {}; use dt <= "
         "{:.3g} s",
         text(pole), dt, std::abs(pole) * dt, kLongPeriod, kLongPeriod / std::abs(pole));
-    // Equal axes have equal poles.
+    // Identical axes have identical poles.
     if (!warnings.empty() && warnings.back() == line) continue;
     if (warnings.size() < kListed)
       warnings.push_back(line);

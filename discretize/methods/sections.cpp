@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Pair = std::pair<Complex, Complex>;
 
-/// Roots two by two: conjugates, then real ones in their order; what is left over is real.
+/// Roots in pairs: conjugate pairs, then real roots in their order; a remaining root is real.
 struct Grouped {
   std::vector<Pair> pairs;
   std::optional<double> single;
@@ -42,7 +42,7 @@ struct Section {
   double D = 0;
 };
 
-/// One zero, or none, over one pole.
+/// A first-order section with one zero or none.
 Section first_order(double pole, const std::optional<double>& zero) {
   Section section;
   section.A = MatrixXd::Constant(1, 1, pole);
@@ -52,8 +52,8 @@ Section first_order(double pole, const std::optional<double>& zero) {
   return section;
 }
 
-/// The poles stand in A as they are. With y = z - a, a the first state's entry on the diagonal,
-/// what the zeros give beside D is n1 y + n0 over the poles.
+/// A contains the poles directly. With y = z - a, where a is the first diagonal entry of A, the
+/// zeros contribute, in addition to D, (n1 y + n0) divided by the denominator.
 Section second_order(const Pair& poles, double n1, double n0, double D) {
   Section section;
   section.A = MatrixXd(2, 2);
@@ -129,7 +129,7 @@ DiscreteLti series_of_sections(const Eigen::VectorXcd& poles, const Eigen::Vecto
   plant.D = MatrixXd::Ones(1, 1);
   Index at = 0;
   for (Section section : sections) {
-    // Each passes what comes at z unchanged, so that no signal between them is out of scale.
+    // Each section has gain 1 at z, so that the signals between sections are well scaled.
     const double here = value_at(section, z);
     section.C /= here;
     section.D /= here;

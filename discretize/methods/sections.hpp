@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A system of one channel from its poles and zeros, without writing its polynomials out.
+/// Builds a single-channel system from its poles and zeros without forming its polynomials.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,12 +8,13 @@
 
 namespace quadtune::internal {
 
-/// Sections of first and second order in series. Near z = 1 the coefficients of a polynomial of
-/// order 6 no longer know where its roots are; those of a section do.
+/// First- and second-order sections in series. Near z = 1 the coefficients of a polynomial of
+/// degree 6 do not determine its roots accurately; those of a section do.
 ///
-/// @param poles, zeros  closed under conjugation; no more zeros than poles, at least one pole
-/// @param z             real, no pole and no zero, where the system has the value `value`
-/// @return  without names; dt as given
+/// @param poles, zeros  closed under conjugation; not more zeros than poles, at least one pole
+/// @param z             a real point, neither pole nor zero, at which the system has the value
+///                      `value`
+/// @return  a system without names, with the given dt
 [[nodiscard]] DiscreteLti series_of_sections(const Eigen::VectorXcd& poles,
                                              const Eigen::VectorXcd& zeros, double z, double value,
                                              double dt);

@@ -24,7 +24,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 
-// Evidence rather than a promise: the exponential of the logarithm must be the matrix.
+// Verifies the result: the exponential of the logarithm must equal the matrix.
 constexpr double kRoundTrip = 1e-6;
 
 double rounding(const MatrixXd& A) {
@@ -37,12 +37,12 @@ void refuse_poles_without_logarithm(const MatrixXd& A) {
     if (std::abs(pole) <= rounding(A))
       throw InvalidInput("zoh",
                          "A has a pole at 0, expected none because no continuous mode decays to "
-                         "nothing in one sample; take delays out of the plant first");
+                         "zero in one sample; remove delays from the plant first");
     if (pole.imag() == 0 && pole.real() < 0)
       throw InvalidInput(
           "zoh",
           fmt::format("A has a pole at {:.6g}, expected none on the negative real axis because "
-                      "no real plant turns by exactly half a circle in a sample",
+                      "a real plant has no mode that turns by half a cycle per sample",
                       pole.real()));
   }
 }
@@ -51,7 +51,7 @@ void refuse_pole_at_minus_one(const MatrixXd& A) {
   const VectorXcd poles = A.eigenvalues();
   if ((poles.array() + Complex(1)).abs().minCoeff() > rounding(A)) return;
   throw InvalidInput("tustin",
-                     "A has a pole at -1, expected none because the transformation brings it from "
+                     "A has a pole at -1, expected none because it corresponds to a pole at "
                      "infinity");
 }
 
@@ -81,7 +81,7 @@ ContinuousLti to_continuous_zoh(const DiscreteLti& plant) {
   if (!solved || !((again - plant.A).norm() <= kRoundTrip * plant.A.norm()))
     throw InvalidInput("zoh",
                        "A has no real logarithm to within rounding, expected a plant whose poles "
-                       "are off 0 and the negative real axis");
+                       "are neither 0 nor on the negative real axis");
   result.B = integral.partialPivLu().solve(plant.B);
   return result;
 }
@@ -110,7 +110,7 @@ ContinuousLti to_continuous(const DiscreteLti& plant, DiscretizationMethod metho
   if (method == DiscretizationMethod::zoh) return to_continuous_zoh(plant);
   if (method == DiscretizationMethod::tustin) return to_continuous_tustin(plant, prewarp);
   throw InvalidInput(to_string(method),
-                     "the way back is not built for this method, expected zoh or tustin");
+                     "conversion to continuous time supports only zoh and tustin");
 }
 
 ContinuousTransferFunction to_continuous(const DiscreteTransferFunction& plant,
@@ -129,7 +129,8 @@ ContinuousTransferFunction to_continuous(const DiscreteTransferFunction& plant,
   DiscreteTransferFunction prompt = plant;
   prompt.delay = 0;
   const ContinuousLti realized = to_continuous(realize(prompt), method, prewarp);
-  // In 1/dt, since powers of s in rad/s would differ by many orders.
+  // Computed in units of 1/dt, because powers of s in rad/s would differ by many orders of
+  // magnitude.
   VectorXcd poles = polynomial_roots(plant.den);
   if (method == DiscretizationMethod::tustin) {
     const double step = internal::tustin_step(dt, prewarp, where) / dt;

@@ -22,7 +22,7 @@ namespace {
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// Where a method takes the poles of a plant.
+/// The images of a plant's poles under a method.
 VectorXcd discrete_poles(const VectorXcd& poles, double dt, DiscretizationMethod method,
                          const DiscretizationOptions& options) {
   using Method = DiscretizationMethod;
@@ -40,11 +40,12 @@ void require_causes(const ContinuousTransferFunction& plant, DiscretizationMetho
   if (method != DiscretizationMethod::impulse || plant.num.size() < plant.den.size() ||
       plant.num[0] == 0)
     return;
-  throw InvalidInput("impulse",
-                     fmt::format("num and den have degree {}, expected fewer zeros than poles "
-                                 "because the impulse response then has an impulse, which has no "
-                                 "sample",
-                                 plant.den.size() - 1));
+  throw InvalidInput(
+      "impulse",
+      fmt::format("num and den have degree {}, expected fewer zeros than poles "
+                  "because otherwise the impulse response contains an impulse, which cannot be "
+                  "sampled",
+                  plant.den.size() - 1));
 }
 
 }  // namespace
@@ -58,8 +59,8 @@ DiscreteTransferFunction discretize(const ContinuousTransferFunction& plant, dou
   internal::refuse_prewarp(method, options.prewarp);
   if (options.delays.any())
     throw InvalidInput(where,
-                       "delays of channels came with a transfer function, expected none because it "
-                       "has a delay of its own");
+                       "delays of channels do not apply to a transfer function, because it "
+                       "has its own delay");
   require_causes(plant, method);
   if (method == DiscretizationMethod::matched) return discretize_matched(plant, dt);
 
@@ -71,7 +72,7 @@ DiscreteTransferFunction discretize(const ContinuousTransferFunction& plant, dou
   result.dt = dt;
   result.delay = delay.whole;
   if (plant.den.size() == 1) {
-    // What a gain shows at an instant is the input of the sample before, if it is late at all.
+    // A delayed pure gain outputs at each sample the input of the sample before.
     result.num = plant.num.tail(1) / plant.den[0];
     result.den = VectorXd::Ones(1);
     result.delay += delay.fraction > 0 ? 1 : 0;

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using MatrixArgument = Eigen::Ref<const MatrixXd>;
 
-// With ‖Z h‖ ≤ 1/2 the n-th term of either series below is at most 1/n! of the first.
+// With ‖Z h‖ ≤ 1/2 the n-th term of both series below is at most 1/n! of the first.
 constexpr double kSeriesNorm = 0.5;
 constexpr int kTerms = 20;
 
@@ -34,13 +34,13 @@ MatrixXd exponential_minus_identity(const MatrixXd& X) {
 
 // W = ∫₀^T e^(Zᵀτ) Y e^(Zτ) dτ, symmetric.
 //
-// Van Loan reads W off the exponential of [-Zᵀ Y; 0 Z] T, whose block e^(-ZᵀT) grows as e^(ZT)
-// decays and takes the digits of W with it. So the period is halved until ‖Z h‖ ≤ 1/2, where the
+// Van Loan obtains W from the exponential of [-Zᵀ Y; 0 Z] T. Its block e^(-ZᵀT) grows as e^(ZT)
+// decays, so the digits of W are lost. Instead, the period is halved until ‖Z h‖ ≤ 1/2, where the
 // series
 //   W(h) = h Σ Lᵏ(Y) hᵏ / (k+1)!,  L(Y) = ZᵀY + YZ
-// is as good as his and cheaper, and then doubled:
+// is as accurate as his method and cheaper; then it is doubled:
 //   W(2h) = W + e^(Zᵀh) W e^(Zh) = 2W + FᵀW + WF + FᵀWF,  F = e^(Zh) - I.
-// For Y ≥ 0 every step adds matrices ≥ 0.
+// For Y ≥ 0 every step adds matrices that are ≥ 0.
 MatrixXd integrate(const MatrixXd& Z, const MatrixXd& Y, double T) {
   double h = T;
   int halvings = 0;
@@ -60,14 +60,15 @@ MatrixXd integrate(const MatrixXd& Z, const MatrixXd& Y, double T) {
   for (; halvings > 0; --halvings) {
     const MatrixXd WF = W * F;
     W = (2 * W + WF + WF.transpose() + F.transpose() * WF).eval();
-    W = (0.5 * (W + W.transpose())).eval();  // FᵀW = (WF)ᵀ only then; else asymmetry grows
+    /// FᵀW = (WF)ᵀ requires a symmetric W; otherwise asymmetry grows.
+    W = (0.5 * (W + W.transpose())).eval();
     F = (2 * F + F * F).eval();
   }
   return W;
 }
 
-// Powers of two that bring the columns of B to the size of A: inputs in N m move a 60 g vehicle at
-// 10⁴ rad/s², and the period would be halved for their sake.
+// Powers of two that scale the columns of B to the size of A: inputs in N m move a 60 g vehicle at
+// 10⁴ rad/s², and would require unnecessary halvings of the period.
 Eigen::VectorXd column_scales(const MatrixArgument& A, const MatrixArgument& B) {
   const double target = A.cwiseAbs().maxCoeff();
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(B.cols());

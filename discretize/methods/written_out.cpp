@@ -7,7 +7,7 @@ namespace quadtune::internal {
 
 using Eigen::MatrixXd;
 
-DiscreteLti written_out(const ContinuousLti& plant, double dt) {
+DiscreteLti with_explicit_outputs(const ContinuousLti& plant, double dt) {
   const Eigen::Index nx = plant.A.rows();
   DiscreteLti result;
   result.C = plant.C.size() ? plant.C : MatrixXd::Identity(nx, nx);

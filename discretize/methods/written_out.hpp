@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the methods have in common whose discrete state is not the plant's state at the samples.
+/// Code shared by the methods whose discrete state is not the plant's state at the samples.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace quadtune::internal {
 
-/// The plant's names and its C and D, with the identity and zeros where it left them out; A and B
+/// The plant's names and its C and D; an empty C becomes the identity and an empty D zero. A and B
 /// are empty.
-[[nodiscard]] DiscreteLti written_out(const ContinuousLti& plant, double dt);
+[[nodiscard]] DiscreteLti with_explicit_outputs(const ContinuousLti& plant, double dt);
 
 /// @throws InvalidInput  if an entry exceeds the range of a double.
 void refuse_overflow(const DiscreteLti& result, const std::string& where);

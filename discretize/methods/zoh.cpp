@@ -13,7 +13,7 @@
 namespace quadtune {
 namespace {
 
-// The message of require_shape() costs allocations, so it is made only when it is needed.
+// Building the message of require_shape() allocates memory, so it is called only on failure.
 void expect_shape(const Eigen::Ref<const Eigen::MatrixXd>& M, Eigen::Index rows, Eigen::Index cols,
                   const char* name) {
   if (M.rows() != rows || M.cols() != cols)
@@ -52,7 +52,7 @@ void ZohWorkspace::solve(const Eigen::Ref<const Eigen::MatrixXd>& A,
   if (!(dt > 0) || dt == std::numeric_limits<double>::infinity())
     internal::require_period(dt, "zoh");
   if (kernel.solve(A, B, dt, Ad, Bd) == ExponentialStatus::solved) return;
-  // NaN and infinity always end here, so only now A and B are searched for them.
+  // NaN and infinity always lead here, so A and B are checked only now.
   require_finite(A, "zoh", "A");
   require_finite(B, "zoh", "B");
   internal::refuse_long_period(dt, "zoh");

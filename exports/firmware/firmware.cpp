@@ -22,16 +22,16 @@ constexpr internal::EnumName<FirmwareKind> kKinds[] = {{FirmwareKind::px4, "px4"
                                                        {FirmwareKind::crazyflie, "crazyflie"}};
 
 struct Versions {
-  std::vector<std::string> known;  // the newest first
+  std::vector<std::string> known;  // newest first
   std::string usual;
 };
 
 Versions versions_of(FirmwareKind kind) {
   switch (kind) {
     case FirmwareKind::px4:
-      return {{"1.17", "1.16", "1.15", "1.14"}, "1.16"};  // of 1.17 only an alpha was read
+      return {{"1.17", "1.16", "1.15", "1.14"}, "1.16"};  // 1.17: only an alpha release was read
     case FirmwareKind::ardupilot:
-      return {{"4.7", "4.6", "4.5", "4.4"}, "4.6"};  // the names of 4.7 came late in it
+      return {{"4.7", "4.6", "4.5", "4.4"}, "4.6"};  // 4.7 got its names late in its development
     case FirmwareKind::betaflight:
       return {{"2026.6", "2025.12", "4.5"}, "2026.6"};
     case FirmwareKind::crazyflie:
@@ -67,7 +67,7 @@ std::string version_of(FirmwareKind kind, const std::string& asked, const std::s
       where, fmt::format("{} has no version '{}', expected one of {} or a release after them{}",
                          to_string(kind), internal::printable(asked),
                          internal::joined(versions.known, ", "),
-                         number ? ", because its parameters were read from these on" : ""));
+                         number ? ", because the parameters of older versions are unknown" : ""));
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ Firmware firmware(FirmwareKind kind, const FirmwareOptions& options, const std::
   Firmware result{kind, version_of(kind, options.version, where), options.setup};
   const std::vector<std::string> setups = firmware_setups(kind);
   if (setups.empty() && !options.setup.empty())
-    throw InvalidInput(where, fmt::format("set-up '{}' came for {}, expected none, because only a "
+    throw InvalidInput(where, fmt::format("set-up '{}' is not supported by {}; only a "
                                           "Crazyflie's firmware scales thrust by its propellers",
                                           internal::printable(options.setup), to_string(kind)));
   if (setups.empty()) return result;

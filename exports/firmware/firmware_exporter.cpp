@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exports of a cascade as a firmware's parameters, with gains.json beside them, and their check.
+// Exports of a cascade as parameters of a firmware, together with gains.json, and their checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ void require_cascade(const ExportContent& content, FirmwareKind kind) {
   throw InvalidInput(to_string(kind),
                      content.gains
                          ? "the law is a state feedback, expected a PID cascade, because the "
-                           "firmware has no place for a matrix of gains"
+                           "firmware cannot represent a gain matrix"
                          : "there is no law to write, expected a PID cascade");
 }
 
@@ -62,7 +62,7 @@ std::vector<std::string> header_of(const Firmware& firmware, const ExportContent
   return header;
 }
 
-/// None where they were not asked for.
+/// The noise parameters; empty if they were not requested.
 FirmwareParameters noises_of(const Firmware& target, const ExportContent& content) {
   if (!content.firmware.filter_noise) return {};
   if (!content.estimator || !content.estimator->general)
@@ -86,14 +86,14 @@ std::vector<FileContent> firmware_files(const ExportContent& content, FirmwareKi
           {kGainsJsonName, gains_json_text(content)}};
 }
 
-/// The cascade as the board will fly it: its numbers rounded, its shared gains shared.
+/// The cascade as the board will fly it: with rounded and shared gains.
 ExportContent fitted(ExportContent content, FirmwareKind kind) {
   require_cascade(content, kind);
   const Firmware target = firmware(kind, content.firmware, to_string(kind));
   CascadeGains& gains = content.cascade->gains;
   const FirmwareParameters parameters = firmware_parameters(target, content.vehicle, gains);
   gains = cascade_of(firmware_loops(target, content.vehicle, parameters.values), gains, gains.dt);
-  // A cascade that was fitted before has nothing left to round.
+  // A cascade that was already fitted is not rounded again.
   if (content.firmware_notes.empty()) {
     content.firmware_notes = parameters.notes;
     for (std::string& note : noises_of(target, content).notes)
@@ -110,8 +110,8 @@ ExportContent fitted(ExportContent content, FirmwareKind kind) {
   return content;
 }
 
-/// The notes of a parameter file say what was rounded of a cascade that is in no file, so they are
-/// taken as they are.
+/// The notes in a parameter file describe the rounding of a cascade that is in no file; they are
+/// copied unchanged.
 std::vector<std::string> notes_of(const std::string& text) {
   std::vector<std::string> notes;
   std::istringstream lines(text);
@@ -138,7 +138,7 @@ std::vector<FileContent> written_again(const fs::path& directory, const Manifest
 }
 
 Exporter firmware_exporter(FirmwareKind kind) {
-  // Parameters tell nothing of the vehicle: the laws are read from the gains.json beside them.
+  // The parameters do not describe the vehicle: the laws are read from gains.json.
   Exporter exporter = exports::json_exporter();
   exporter.target = export_target(to_string(kind), "exporter");
   exporter.gain_files = {parameter_file_name(kind)};
@@ -211,7 +211,7 @@ std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& t
 FirmwareOptions written_options(FirmwareKind kind, const std::string& text,
                                 const std::string& origin) {
   const std::optional<Firmware> target = firmware_of_text(kind, text, origin);
-  if (!target) throw InvalidInput(origin, "does not say for which firmware it is");
+  if (!target) throw InvalidInput(origin, "does not name its firmware");
   const std::vector<Parameter> values = parse_parameters(*target, text, origin).values;
   return {target->version, target->setup,
           std::any_of(values.begin(), values.end(),
@@ -227,8 +227,7 @@ std::vector<VerifyCheck> firmware_checks(const fs::path& directory, const Vehicl
     const std::string text = exports::export_text(path);
     const std::optional<Firmware> target = firmware_of_text(kind, text, path.string());
     if (!target)
-      return {
-          {kName, false, fmt::format("{} does not say for which firmware it is", path.string())}};
+      return {{kName, false, fmt::format("{} does not name its firmware", path.string())}};
     if (!manifest.cascade) return {{kName, false, "the manifest has no cascade"}};
     const ParameterFile file = parse_parameters(*target, text, path.string());
     const CascadeGains read = cascade_of(firmware_loops(*target, vehicle, file.values),

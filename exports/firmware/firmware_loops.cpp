@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From parameters to loops in SI units. docs/theory.md, "Cascades of autopilots".
+// Converts parameters to loops in SI units. docs/theory.md, "Cascades of autopilots".
 #include <fmt/format.h>
 
 #include "firmware/firmware_parts.hpp"
@@ -44,7 +44,7 @@ void add_px4_loops(const FirmwareScale& scale, const ParameterValues& value, Loo
     loop.I = value(name + "VEL_I_ACC");
     loop.D = value(name + "VEL_D_ACC");
   };
-  // An acceleration is a tilt by the standard gravity, and a thrust by that of hover.
+  // Acceleration is converted to tilt by the standard gravity, and to thrust by the hover thrust.
   velocity(CascadeAxis::x, 1 / kStandardGravity, "MPC_XY_");
   velocity(CascadeAxis::y, 1 / kStandardGravity, "MPC_XY_");
   velocity(CascadeAxis::altitude, scale.thrust * scale.hover / kStandardGravity, "MPC_Z_");
@@ -76,7 +76,7 @@ void add_ardupilot_loops(const Firmware& firmware, const FirmwareScale& scale,
            names.horizontal_velocity);
   velocity(CascadeAxis::y, 1 / kStandardGravity, names.horizontal_position,
            names.horizontal_velocity);
-  // Its loop of the acceleration is taken as ideal.
+  // The acceleration loop is assumed to be ideal.
   velocity(CascadeAxis::altitude, scale.mass, names.vertical_position, names.vertical_velocity);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a cascade to parameters, and what is lost on the way. docs/theory.md, "Cascades of
-// autopilots".
+// Converts a cascade to parameters, and reports what they cannot represent. docs/theory.md,
+// "Cascades of autopilots".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,12 +19,12 @@ using exports::kDegrees;
 using exports::kStandardGravity;
 using exports::kTurns;
 
-/// A loop without its signs: positive gains damp.
+/// The gains of a loop without their signs: positive gains damp.
 struct Sizes {
   double Kp = 0, Ki = 0, Kd = 0;
 };
 
-/// The same feedback as a gain on the error in front of a PI controller of the rate.
+/// The same feedback as a gain on the error followed by a PI controller of the rate.
 struct Factored {
   double outer = 0;  ///< [1/s]
   double zero = 0;   ///< I over P of the PI controller [1/s]
@@ -63,18 +63,18 @@ class Writer {
   }
 
   [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop) const {
-    const double greatest = greatest_p_pi_integral(sizes.Kp, sizes.Kd);
-    // A design may stand on the border itself.
-    if (sizes.Ki > greatest * (1 + 1e-9))
+    const double max = max_p_pi_integral(sizes.Kp, sizes.Kd);
+    // The gains of a design may be exactly at the limit.
+    if (sizes.Ki > max * (1 + 1e-9))
       throw InvalidInput(
           name_,
           fmt::format(
               "the {} loop has Kp {:.6g}, Ki {:.6g}, |Kd| {:.6g}, expected |Ki| <= "
               "Kp^2/(4 |Kd|) = {:.6g}, because a gain on the error before a PI controller of "
               "the rate gives no other; `quadtune pid V --structure p-pi` designs within it",
-              loop, sizes.Kp, sizes.Ki, sizes.Kd, greatest));
+              loop, sizes.Kp, sizes.Ki, sizes.Kd, max));
     const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
-    // The lesser zero from the product, as the difference would cancel.
+    // The smaller zero is computed from the product, because the difference would cancel.
     const double outer = (sizes.Kp + root) / (2 * sizes.Kd);
     return {outer, sizes.Ki / (sizes.Kd * outer), sizes.Kd};
   }
@@ -82,8 +82,8 @@ class Writer {
     return factored(sizes(axis), to_string(axis));
   }
 
-  /// Gains that two loops must share: the geometric mean of what they have, which has the structure
-  /// if both have it.
+  /// Gains that two loops must share: the geometric mean of both. It has the PI structure if both
+  /// loops have it.
   [[nodiscard]] Sizes shared(CascadeAxis a, CascadeAxis b) {
     const Sizes one = sizes(a), other = sizes(b);
     const auto mean = [](double p, double q) { return std::sqrt(p * q); };
@@ -100,7 +100,7 @@ class Writer {
     return result;
   }
 
-  /// As the board stores it.
+  /// The value that the board stores.
   [[nodiscard]] double stored(const ParameterFacts& facts, double value) {
     if (!facts.integer) {
       const float single = static_cast<float>(value);
@@ -132,7 +132,7 @@ class Writer {
                                       [&](const Parameter& one) { return one.name == facts.name; });
       if (given == values_.end()) continue;
       const double value = stored(facts, given->value);
-      // Integers are held to their range; that of the others is the documentation's advice.
+      // Integers are limited to their range; for other parameters the range is only advice.
       const bool low = !facts.integer && facts.min && value < *facts.min * (1 - 1e-6);
       const bool high = !facts.integer && facts.max && value > *facts.max * (1 + 1e-6);
       if (low || high)
@@ -162,7 +162,7 @@ class Writer {
 void write_px4(Writer& w) {
   const Vehicle& vehicle = w.vehicle();
   const std::vector<std::size_t> order = exports::px4_order(vehicle);
-  // Only the order of four rotors in X is the same on every board.
+  // Only four rotors in X have the same order on every board.
   const bool in_x = exports::px4_is_x(vehicle);
   if (in_x) w.set("CA_ROTOR_COUNT", static_cast<double>(order.size()));
   for (std::size_t i = 0; i < order.size() && in_x; ++i) {
@@ -176,7 +176,7 @@ void write_px4(Writer& w) {
                 "front left, 4 back right"
               : "CA_ROTOR* are not written, because boards with such rotors are wired in different "
                 "orders: they must have the vehicle's places and senses");
-  w.note("THR_MDL_FAC is 0, as the gains are for it");
+  w.note("THR_MDL_FAC is 0, because the gains assume it");
   w.set("THR_MDL_FAC", 0);
   const FirmwareScale scale = w.scale();
   w.set("MPC_THR_HOVER", scale.hover);
@@ -193,7 +193,9 @@ void write_px4(Writer& w) {
   }
   if (exports::is_from(w.firmware(), "1.16")) {
     w.set("MC_YAW_TQ_CUTOFF", 0);
-    w.note("MC_YAW_TQ_CUTOFF is 0, off, because its 80 ms are not in the design (default 2 Hz)");
+    w.note(
+        "MC_YAW_TQ_CUTOFF is 0, off, because its 80 ms are not modelled in the design (default 2 "
+        "Hz)");
   }
   const auto velocity = [&](const Factored& loop, double of_output, const std::string& name) {
     const double P = loop.Kd / of_output;
@@ -208,8 +210,8 @@ void write_px4(Writer& w) {
            "MPC_Z_");
 }
 
-/// The curve that makes ArduPilot's thrust proportional to its command, but for what the slowest
-/// rotor gives: of the second order, through both ends and the middle.
+/// The curve that makes ArduPilot's thrust proportional to its command, apart from the thrust of
+/// the slowest rotor: a second-order curve through both ends and the middle.
 double thrust_expo(const Vehicle& vehicle, double low, double high) {
   const auto thrust = [&](double x) {
     const double signal = low + (high - low) * x;
@@ -217,25 +219,26 @@ double thrust_expo(const Vehicle& vehicle, double low, double high) {
     return rotor_thrust(vehicle.rotors.front(),
                         speed_of_command(motor, motor.min + signal * (motor.max - motor.min)));
   };
-  const double least = thrust(0), all = thrust(1) - least;
-  return std::clamp(2 - 4 * (thrust(0.5) - least) / all, -1.0, 1.0);
+  const double min = thrust(0), all = thrust(1) - min;
+  return std::clamp(2 - 4 * (thrust(0.5) - min) / all, -1.0, 1.0);
 }
 
 void write_ardupilot(Writer& w) {
-  constexpr double kSpinMin = 0.15, kSpinMax = 0.95;  // as they are by default
+  constexpr double kSpinMin = 0.15, kSpinMax = 0.95;  // defaults
   w.set("MOT_SPIN_MIN", kSpinMin);
   w.set("MOT_SPIN_MAX", kSpinMax);
   w.set("MOT_THST_EXPO", thrust_expo(w.vehicle(), kSpinMin, kSpinMax));
   const FirmwareScale scale = w.scale();
   w.set("MOT_THST_HOVER", scale.hover);
   w.note(
-      "MOT_SPIN_MIN, MOT_SPIN_MAX, MOT_THST_EXPO and MOT_THST_HOVER are written, as the gains are "
-      "for them: a motor that does not start at 15 % needs its own, and then other gains");
+      "MOT_SPIN_MIN, MOT_SPIN_MAX, MOT_THST_EXPO and MOT_THST_HOVER are written, because the gains "
+      "assume them: a motor that does not start at 15 % needs its own values, and other gains");
   w.note("FRAME_CLASS and FRAME_TYPE are not written: they must be those of the vehicle's rotors");
   w.note(
-      "the filters of the velocity, PSC_*_FLTE and FLTD of 5 Hz, are not in the design: x and y "
+      "the filters of the velocity, PSC_*_FLTE and FLTD of 5 Hz, are not modelled in the design: x "
+      "and y "
       "have "
-      "32 ms more delay than it");
+      "32 ms more delay");
   for (const exports::TurnWords& turn : kTurns) {
     const Factored loop = w.factored(turn.axis);
     const std::string rate = fmt::format("ATC_RAT_{}_", turn.ardupilot);
@@ -247,7 +250,9 @@ void write_ardupilot(Writer& w) {
     w.set(rate + "FF", 0);
     w.set(rate + "FLTE", 0);
   }
-  w.note("ATC_RAT_YAW_FLTE is 0, off, because its 64 ms are not in the design (default 2.5 Hz)");
+  w.note(
+      "ATC_RAT_YAW_FLTE is 0, off, because its 64 ms are not modelled in the design (default 2.5 "
+      "Hz)");
   const exports::ArdupilotNames names = exports::ardupilot_names(w.firmware());
   const auto velocity = [&](const Factored& loop, double of_output, const std::string& position,
                             const std::string& name) {
@@ -261,7 +266,7 @@ void write_ardupilot(Writer& w) {
            names.horizontal_position, names.horizontal_velocity);
   velocity(w.factored(CascadeAxis::altitude), scale.mass, names.vertical_position,
            names.vertical_velocity);
-  // The project's own rule; from 4.7 on the gains are a tenth of what they were.
+  // The project's own rule. In 4.7 and later, the gains are a tenth of the former ones.
   const double unit = exports::is_from(w.firmware(), "4.7") ? 0.1 : 1;
   w.set(names.acceleration + "P", unit * scale.hover);
   w.set(names.acceleration + "I", unit * 2 * scale.hover);
@@ -340,15 +345,16 @@ void write_crazyflie(Writer& w) {
   w.set("posCtlPid.thrustMin", std::min(kUsualLeast, scale.hover / 2));
   for (const exports::TurnWords& turn : kTurns) {
     const double kp = w.sizes(turn.axis).Kd / (scale.torque[turn.index] * kDegrees);
-    constexpr double kGreatestOutput = 32767;
-    if (kp * kDegrees > kGreatestOutput)
-      throw InvalidInput(
-          "crazyflie", fmt::format("pid_rate.{}_kp would be {:.6g}, expected at most {:.4g}, with "
-                                   "which an error of 1 rad/s takes all of the output",
-                                   turn.small, kp, kGreatestOutput / kDegrees));
+    constexpr double kMaxOutput = 32767;
+    if (kp * kDegrees > kMaxOutput)
+      throw InvalidInput("crazyflie",
+                         fmt::format("pid_rate.{}_kp would be {:.6g}, expected at most {:.4g}, at "
+                                     "which an error of 1 rad/s saturates the output",
+                                     turn.small, kp, kMaxOutput / kDegrees));
   }
   w.note(
-      "the firmware limits the integral of the angle's error to 20 deg s (yaw 360): no parameter");
+      "the firmware limits the integral of the angle's error to 20 deg s (yaw 360); there is no "
+      "parameter for this limit");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the files of this room share.
+/// Helpers shared by the files of this folder.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace quadtune::exports {
 
-/// Whether a firmware is of `version`, one of firmware_versions(), or newer.
+/// Whether a firmware has `version`, one of firmware_versions(), or a newer one.
 [[nodiscard]] inline bool is_from(const Firmware& firmware, const std::string& version) {
   const std::vector<std::string> newest_first = firmware_versions(firmware.kind);
   return std::find(newest_first.begin(), newest_first.end(), firmware.version) <=
@@ -19,13 +19,13 @@ namespace quadtune::exports {
 }
 
 /// Why a parameter cannot have a value, as the end of a sentence that begins with its name; empty
-/// where it can.
+/// if it can.
 [[nodiscard]] std::string why_no_value(const ParameterFacts& facts, double value);
 
-/// What ArduPilot and PX4 take for gravity [m/s²].
+/// Gravity that ArduPilot and PX4 assume [m/s²].
 inline constexpr double kStandardGravity = 9.80665;
 
-/// A turning loop in the names of its parameters.
+/// The parameter names of a rotation loop.
 struct TurnWords {
   CascadeAxis axis;
   std::size_t index;  ///< in FirmwareScale::torque
@@ -55,7 +55,7 @@ inline constexpr double kBetaflightI = 0.244381 * kDegrees;
 inline constexpr double kBetaflightD = 0.000529 * kDegrees;
 inline constexpr double kBetaflightYaw = 2.5;
 
-/// Of Crazyflie's velocity loop in z: 16-bit thrust per unit of its output.
+/// Output scale of Crazyflie's vertical velocity loop: 16-bit thrust per unit of its output.
 inline constexpr double kCrazyflieThrust = 1000;
 
 }  // namespace quadtune::exports

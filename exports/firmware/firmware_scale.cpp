@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a firmware's output to torques and thrust, linearized at hover. docs/theory.md, "Cascades of
-// autopilots".
+// Conversion from a firmware's outputs to torques and thrust, linearized at hover. docs/theory.md,
+// "Cascades of autopilots".
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -26,7 +26,7 @@ struct RotorAtHover {
   double torque = 0;  ///< dQ/dthrust [m]
 };
 
-/// Thrusts that hold the weight without a torque: the least ones in the sum of squares.
+/// Thrusts that balance the weight without torque, with the minimum sum of squares.
 VectorXd hover_thrusts(const Vehicle& vehicle) {
   const Index n = std::ssize(vehicle.rotors);
   MatrixXd to_wrench(3, n);
@@ -41,13 +41,14 @@ VectorXd hover_thrusts(const Vehicle& vehicle) {
 RotorAtHover at_hover(const Vehicle& vehicle, const Rotor& rotor, double thrust) {
   const MotorCommand& motor = vehicle.motor;
   if (!(thrust > 0))
-    throw NoSolution(vehicle.name + ": a rotor would have to pull at hover", vehicle.name);
+    throw NoSolution(vehicle.name + ": hover would require a negative thrust of a rotor",
+                     vehicle.name);
   const double w = rotor_speed_for_thrust(rotor, thrust);
   const double command = command_of_speed(motor, w), range = motor.max - motor.min;
   RotorAtHover result;
   result.signal = (command - motor.min) / range;
   if (!(result.signal > 0 && result.signal < 1))
-    throw NoSolution(fmt::format("{}: hover needs a motor command of {:.6g} {}, expected one "
+    throw NoSolution(fmt::format("{}: hover needs a motor command of {:.6g} {}, expected a value "
                                  "between {:.6g} and {:.6g}",
                                  vehicle.name, command, motor.unit, motor.min, motor.max),
                      vehicle.name);
@@ -61,7 +62,7 @@ RotorAtHover at_hover(const Vehicle& vehicle, const Rotor& rotor, double thrust)
   return result;
 }
 
-/// Which rotor stands where in a frame whose numbers a firmware knows.
+/// Rejects a rotor that does not match the frame of the firmware.
 [[noreturn]] void refuse_frame(const Firmware& firmware, const std::string& came,
                                const char* expected) {
   throw InvalidInput(
@@ -90,7 +91,7 @@ bool is_plus(const Vehicle& vehicle) {
   return seen == std::array{1, 1, 1, 1};
 }
 
-/// The firmware's yaw output turns the rotors that it believes to turn counter-clockwise up.
+/// The firmware's yaw output speeds up the rotors that it assumes to turn counter-clockwise.
 void require_spins(const Firmware& firmware, const Vehicle& vehicle) {
   for (const Rotor& rotor : vehicle.rotors) {
     const double x = rotor.position.x(), y = rotor.position.y();
@@ -100,8 +101,8 @@ void require_spins(const Firmware& firmware, const Vehicle& vehicle) {
       refuse_frame(
           firmware,
           fmt::format("the rotor at ({:.3g}, {:.3g}) m turns {}", x, y, to_string(rotor.spin)),
-          "the front left and back right ones clockwise, or in plus those in front and at "
-          "the back");
+          "front left and back right clockwise (X), or front and back "
+          "clockwise (plus)");
   }
 }
 
@@ -110,7 +111,7 @@ void require_frame(const Firmware& firmware, const Vehicle& vehicle) {
   if (vehicle.rotors.size() != 4 || (!plus && !is_x(vehicle)))
     refuse_frame(firmware,
                  fmt::format("the vehicle has {} rotors {}", vehicle.rotors.size(),
-                             is_plus(vehicle) ? "in plus" : "in no X"),
+                             is_plus(vehicle) ? "in plus" : "not in X"),
                  firmware.kind == FirmwareKind::ardupilot ? "four in X or in plus" : "four in X");
   require_spins(firmware, vehicle);
 }
@@ -130,7 +131,7 @@ double crazyflie_full_thrust(const Firmware& firmware) {
   return 0.147150 * 65535 / 65536;
 }
 
-/// A firmware's curve from its command to the signal at a motor.
+/// A firmware's curve from its command to the motor signal.
 struct Curve {
   double expo = 0;           ///< command = (1 - expo) x + expo x²
   double low = 0, high = 1;  ///< signal = low + (high - low) x
@@ -165,7 +166,7 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
   if (!(curve.low < curve.high))
     throw InvalidInput(to_string(firmware.kind),
                        fmt::format("MOT_SPIN_MIN is {:g} and MOT_SPIN_MAX {:g}, expected the first "
-                                   "to be less",
+                                   "to be smaller",
                                    curve.low, curve.high));
   const Index n = thrusts.size();
   MatrixXd mix;  // of roll, pitch, yaw: commands per unit of the firmware's output
@@ -173,7 +174,7 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
   for (Index i = 0; i < n; ++i) {
     const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
     const RotorAtHover at = at_hover(vehicle, rotor, thrusts(i));
-    // Of a Crazyflie a command is a thrust, whatever the battery gives.
+    // A Crazyflie command is a thrust, independent of the battery.
     double slope = at.thrust / curve.slope(at.signal), command = curve.at(at.signal);
     if (firmware.kind == FirmwareKind::crazyflie) {
       slope = crazyflie_full_thrust(firmware) / 65535;
@@ -182,7 +183,7 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
     if (!(slope > 0 && command > 0))
       throw InvalidInput(to_string(firmware.kind),
                          fmt::format("{} at hover gives {:.3g} N of thrust per unit of the "
-                                     "command, expected more than 0, because gains have a sign",
+                                     "command, expected a positive value",
                                      vehicle.name, slope));
     const double x = rotor.position.x(), y = rotor.position.y();
     const double right = -y, front = x, yaw = -spin_sign(rotor.spin) * at.torque;
@@ -192,9 +193,9 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
         share = mix.row(i);
         break;
       case FirmwareKind::ardupilot: {
-        const double least = 0.1 * std::hypot(x, y);
-        share = {std::abs(y) > least ? std::copysign(0.5, right) : 0,
-                 std::abs(x) > least ? std::copysign(0.5, front) : 0, std::copysign(0.5, yaw)};
+        const double min = 0.1 * std::hypot(x, y);
+        share = {std::abs(y) > min ? std::copysign(0.5, right) : 0,
+                 std::abs(x) > min ? std::copysign(0.5, front) : 0, std::copysign(0.5, yaw)};
         break;
       }
       case FirmwareKind::betaflight:

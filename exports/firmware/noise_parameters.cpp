@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Noises of a firmware's estimator, from those of the general filter. docs/theory.md, "Cascades of
-// autopilots".
+// Converts the noises of the general filter to those of a firmware's estimator. docs/theory.md,
+// "Cascades of autopilots".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ class NoiseWriter {
   explicit NoiseWriter(const Firmware& firmware)
       : facts_(parameter_facts(firmware)), step_(prediction_step(firmware.kind)) {}
 
-  /// Of white noise, or of a random walk, that acts in each prediction.
+  /// Sets a parameter from a white noise or a random walk that acts in each prediction step.
   void density(const std::string& name, double density) { set(name, filter_noise(density, step_)); }
   void variance(const std::string& name, double variance) { set(name, std::sqrt(variance)); }
   template <class Aid>
@@ -56,15 +56,15 @@ class NoiseWriter {
     const double held = std::clamp(value, low, std::max(low, high));
     if (held != value)
       result.notes.push_back(
-          fmt::format("{} would be {:.3g} {}, held at {:.3g}, the end of the "
+          fmt::format("{} would be {:.3g} {}, limited to {:.3g}, the end of the "
                       "published range",
                       name, value, facts->unit, held));
-    // The defaults carry what an airframe shakes into the sensors as well.
+    // The defaults include the effect of airframe vibration on the sensors.
     constexpr double kMuchLess = 0.2;
     if (held < kMuchLess * facts->usual)
       result.notes.push_back(fmt::format(
           "{} is {:.3g} {}, much less than the default of {:.3g}, which allows for vibration: "
-          "look at the innovations of a flight before you trust it",
+          "inspect the innovations of a flight before you rely on it",
           name, held, facts->unit, facts->usual));
     result.values.push_back({name, held});
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the documentation of each firmware says of the parameters of its loops. Names are those that
-// stand in the files; sources in docs/bibliography.md, "Firmware".
+// Documented properties of the parameters of each firmware's loops. Names are those in parameter
+// files; sources in docs/bibliography.md, "Firmware".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace quadtune {
 namespace {
 
 constexpr double kOfVehicle = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostRotors = 12;
+constexpr int kMaxRotors = 12;
 using Bound = std::optional<double>;
 
 class Table {
@@ -33,12 +33,12 @@ class Table {
     add(std::move(name), usual, min, max, std::move(unit));
     all.back().integer = true;
   }
-  /// A limit or a filter, which a design leaves as the board has it.
+  /// Adds a limit or a filter, which a design does not change.
   void add_limit(const std::string& name, double usual, Bound min, Bound max, std::string unit) {
     add(name, usual, min, max, std::move(unit));
     read_only();
   }
-  /// What belongs to the vehicle's set-up is read and left as it is.
+  /// Marks the last parameter as part of the vehicle's setup: read but never written.
   void read_only() { all.back().read_only = true; }
 
   std::vector<ParameterFacts> all;
@@ -74,8 +74,8 @@ std::vector<ParameterFacts> px4_facts(const Firmware& firmware) {
   t.add("MPC_Z_VEL_D_ACC", 0, 0, 2);
   t.add("MPC_THR_HOVER", 0.5, 0.1, 0.8);
   t.add("THR_MDL_FAC", 0, 0, 1);
-  t.add_integer("CA_ROTOR_COUNT", kOfVehicle, 0, kMostRotors);
-  for (int i = 0; i < kMostRotors; ++i) {
+  t.add_integer("CA_ROTOR_COUNT", kOfVehicle, 0, kMaxRotors);
+  for (int i = 0; i < kMaxRotors; ++i) {
     const std::string name = fmt::format("CA_ROTOR{}_", i);
     t.add(name + "PX", kOfVehicle, -100, 100, "m");
     t.add(name + "PY", kOfVehicle, -100, 100, "m");
@@ -159,7 +159,7 @@ std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
   t.add("MOT_SPIN_MAX", 0.95, 0.9, 1);
   for (const char* axis : {"RLL", "PIT", "YAW"})
     t.add_limit(fmt::format("ATC_RAT_{}_IMAX", axis), 0.5, 0, 1, "");
-  // Lengths in cm and angles in hundredths of a degree up to 4.6.
+  // Up to 4.6, lengths are in cm and angles in hundredths of a degree.
   const double cm = renamed ? 0.01 : 1;
   t.add_limit(renamed ? "PSC_NE_VEL_IMAX" : "PSC_VELXY_IMAX", 1000 * cm, 0, 4500 * cm, "");
   t.add_limit(renamed ? "ATC_ANGLE_MAX" : "ANGLE_MAX", renamed ? 30 : 3000, 0, {}, "");
@@ -197,8 +197,8 @@ std::vector<ParameterFacts> betaflight_facts(const Firmware& firmware) {
               {"pitch", 47, 84, 46, 125, 34, 46},
               {"yaw", 45, 80, 0, 120, 0, 0}};
   for (const auto& axis : axes) {
-    // From 2025.12 on d_ is what flies at rest and d_max_ what it is raised to; before, d_ was what
-    // it is raised to and d_min_ what flies at rest.
+    // From 2025.12 on, d_ is the gain at rest and d_max_ the maximum to which it is raised; before,
+    // d_ was the maximum and d_min_ the gain at rest.
     t.add_integer(fmt::format("p_{}", axis.axis), axis.P, 0, 250);
     t.add_integer(fmt::format("i_{}", axis.axis), axis.I, 0, 250);
     t.add_integer(fmt::format("d_{}", axis.axis), renamed ? axis.D_min : axis.D, 0, 250);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of parameters as each firmware or its ground station writes them. docs/formats.md,
-// "Parameters of firmware".
+// Parameter files as written by each firmware or its ground station. docs/formats.md, "Parameters
+// of firmware".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace quadtune {
 namespace {
 
-/// Digits that read back to the same float, or to the same integer.
+/// The shortest number that reads back to the same float, or to the same integer.
 std::string number(const ParameterFacts& facts, double value) {
   return facts.integer ? fmt::format("{:.0f}", value)
                        : fmt::format("{}", static_cast<float>(value));
@@ -28,7 +28,7 @@ std::string px4_line(const ParameterFacts& facts, double value) {
 std::string crazyflie_lines(const ParameterFacts& facts, double value) {
   const auto with_point = [&](double v) {
     std::string text = number(facts, v);
-    // A number without a point is a text to readers of YAML 1.1, or an integer.
+    // Readers of YAML 1.1 take a number without a point for text or an integer.
     if (!facts.integer && text.find('.') == std::string::npos)
       text.insert(std::min(text.find('e'), text.size()), ".0");
     return text;
@@ -38,7 +38,7 @@ std::string crazyflie_lines(const ParameterFacts& facts, double value) {
 }
 
 struct Frame {
-  const char* before;  ///< the lines of values, below the comment
+  const char* before;  ///< lines between the comment and the values
   const char* after;
 };
 
@@ -49,7 +49,7 @@ Frame frame_of(FirmwareKind kind) {
     case FirmwareKind::ardupilot:
       return {"", ""};
     case FirmwareKind::betaflight:
-      // While the sliders are on, they overwrite what is set here.
+      // While the sliders are on, they overwrite the gains.
       return {"batch start\nprofile 0\nset simplified_pids_mode = OFF\n", "batch end\nsave\n"};
     case FirmwareKind::crazyflie:
       return {"params:\n", "type: persistent_param_state\nversion: '1'\n"};

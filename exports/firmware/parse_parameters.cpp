@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads files of parameters. A whole dump of a board is read as well as a few lines: what these
-// loops do not consist of is counted.
+// Reads parameter files, complete dumps of a board as well as short lists; parameters of other
+// parts of the firmware are counted.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 using internal::printable;
 
-/// Beginnings of the names of the loops, by which a misspelled name is known.
+/// Prefixes of the names of the loops' parameters, to detect misspelled names.
 bool is_of_loops(const std::string& name) {
   for (const char* start :
        {"MC_ROLL", "MC_PITCH", "MC_YAW", "MPC_XY_", "MPC_Z_", "ATC_RAT_", "ATC_ANG_", "PSC_", "p_",
@@ -31,7 +31,7 @@ bool is_of_loops(const std::string& name) {
   return false;
 }
 
-/// What is found in a file, checked as it comes.
+/// The contents of a file, validated line by line.
 class Collector {
  public:
   Collector(const Firmware& firmware, const std::string& origin)
@@ -41,7 +41,7 @@ class Collector {
     throw InvalidInput(fmt::format("{}:{}", origin_, line), what);
   }
 
-  /// A board skips a value of another type.
+  /// Rejects another type, because a board ignores such a value.
   void require_type(int line, const std::string& name, const std::string& type) const {
     for (const ParameterFacts& one : facts_)
       if (one.name == name && type != (one.integer ? "6" : "9"))
@@ -58,7 +58,7 @@ class Collector {
     }
     for (const Parameter& earlier : file.values)
       if (earlier.name == name)
-        refuse(line, name + " stands twice, expected once, because only one of them is flown");
+        refuse(line, name + " occurs twice; expected once, because only one value is used");
     double value = 0;
     if (!internal::read_number(word, value) || !std::isfinite(value))
       refuse(line, fmt::format("{} is '{}', expected a finite number", name, printable(word)));
@@ -70,7 +70,7 @@ class Collector {
   [[nodiscard]] ParameterFile finish() {
     if (file.values.empty())
       throw InvalidInput(
-          origin_, fmt::format("holds no parameter of the loops of {} {}, expected "
+          origin_, fmt::format("has no parameter of the control loops of {} {}; expected "
                                "at least one such as {}",
                                to_string(firmware_.kind), firmware_.version, facts_.front().name));
     return std::move(file);
@@ -90,23 +90,23 @@ class Collector {
     std::vector<std::string> known;
     for (const ParameterFacts& one : facts_) known.push_back(one.name);
     const std::string near = internal::nearest(name, known);
-    constexpr std::size_t kMostNotes = 10;
-    if (file.notes.size() < kMostNotes && !near.empty() && internal::edit_distance(name, near) == 1)
-      file.notes.push_back(
-          fmt::format("{}:{}: {} is not used, is {} meant?", origin_, line, printable(name), near));
+    constexpr std::size_t kMaxNotes = 10;
+    if (file.notes.size() < kMaxNotes && !near.empty() && internal::edit_distance(name, near) == 1)
+      file.notes.push_back(fmt::format("{}:{}: {} is ignored; did you mean {}?", origin_, line,
+                                       printable(name), near));
   }
 
-  /// A name that another version has would be skipped in silence by the board.
+  /// Rejects a name of another version, because the board would silently ignore it.
   void require_version(int line, const std::string& name) const {
     for (const auto& [other, version] : others_)
       if (other == name)
         refuse(line, fmt::format("{} belongs to {} {}, expected names of version {}, because the "
-                                 "board passes over the others in silence; --firmware chooses the "
+                                 "board silently ignores the others; --firmware selects the "
                                  "version",
                                  name, to_string(firmware_.kind), version, firmware_.version));
   }
 
-  /// Names that other versions alone have.
+  /// Names that exist only in other versions.
   std::vector<std::pair<std::string, std::string>> others_ = [this] {
     std::vector<std::pair<std::string, std::string>> names;
     for (const std::string& version : firmware_versions(firmware_.kind))
@@ -145,10 +145,9 @@ void parse_px4(const std::string& text, Collector& collector) {
     if (line.empty() || line[0] == '#') return;
     const std::vector<std::string> words = split(line, "\t");
     if (words.size() != 5)
-      collector.refuse(number,
-                       fmt::format("has {} column{}, expected five with a tab between them: "
-                                   "vehicle, component, name, value, type",
-                                   words.size(), words.size() == 1 ? "" : "s"));
+      collector.refuse(number, fmt::format("has {} column{}, expected 5, separated by tabs: "
+                                           "vehicle, component, name, value, type",
+                                           words.size(), words.size() == 1 ? "" : "s"));
     if (words[1] != "1") return;  // of another component, such as a gimbal
     collector.require_type(number, words[2], words[4]);
     collector.add(number, words[2], words[3]);
@@ -167,7 +166,8 @@ void parse_ardupilot(const std::string& text, Collector& collector) {
   });
 }
 
-/// The profile that the file selects last, which is the one that the board flies; empty: none.
+/// The profile that the file selects last, which is the one that the board flies; empty if there is
+/// none.
 std::string last_profile(const std::string& text) {
   std::string last;
   each_line(text, [&](int, const std::string& line) {
@@ -187,7 +187,8 @@ void parse_betaflight(const std::string& text, Collector& collector) {
     if (words[0] == "profile" && words.size() == 2) of_other_profile = words[1] != flown;
     if (words[0] != "set" || of_other_profile) return;
     if (words.size() != 3) {
-      if (words.size() < 3) collector.refuse(number, "is no setting, expected `set NAME = VALUE`");
+      if (words.size() < 3)
+        collector.refuse(number, "is not a setting; expected `set NAME = VALUE`");
       ++collector.file.others;  // a list or a text
     } else if (words[1] == "simplified_pids_mode") {
       sliders_off = words[2] == "OFF";
@@ -195,11 +196,12 @@ void parse_betaflight(const std::string& text, Collector& collector) {
       if ((words[1] == "thrust_linear" && words[2] != "0") ||
           (words[1] == "yaw_motors_reversed" && words[2] == "ON") ||
           (words[1] == "use_integrated_yaw" && words[2] == "ON"))
-        notes.push_back(fmt::format("{} is {}, which is not in these numbers", words[1], words[2]));
+        notes.push_back(fmt::format("{} is {}, which is not modelled", words[1], words[2]));
       collector.add(number, words[1], words[2]);
     }
   });
-  if (!flown.empty()) notes.push_back("profile " + flown + " is read, which the file selects last");
+  if (!flown.empty())
+    notes.push_back("profile " + flown + " is read, because the file selects it last");
   if (!sliders_off)
     notes.emplace_back(
         "simplified_pids_mode is not OFF in this file: the sliders may overwrite its gains");
@@ -210,19 +212,18 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
   try {
     const YAML::Node file = YAML::Load(text);
     if (!file.IsMap() || !file["params"] || !file["params"].IsMap())
-      throw InvalidInput(origin, "has no map params, expected the file of persistent parameters");
+      throw InvalidInput(origin, "has no map 'params'; expected a file of persistent parameters");
     if (!file["type"] || file["type"].as<std::string>() != "persistent_param_state" ||
         !file["version"] || file["version"].as<std::string>() != "1" ||
         file["version"].Tag() != "!")
-      throw InvalidInput(origin,
-                         "expected type persistent_param_state and version '1', a text in quotes");
+      throw InvalidInput(origin, "expected type persistent_param_state and version '1' in quotes");
     for (const auto& entry : file["params"]) {
       const std::string name = entry.first.as<std::string>();
       const YAML::Node& state = entry.second;
       if (!state.IsMap() || !state["is_stored"] || !state["default_value"] ||
           !state["stored_value"])
         collector.refuse(line_of(entry.first),
-                         fmt::format("{} lacks default_value, is_stored or stored_value, expected "
+                         fmt::format("{} lacks default_value, is_stored or stored_value; expected "
                                      "all three, without which the client fails",
                                      printable(name)));
       const bool stored = state["is_stored"].as<bool>();
@@ -232,7 +233,7 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
     }
   } catch (const YAML::Exception& error) {
     throw InvalidInput(fmt::format("{}:{}", origin, error.mark.line + 1),
-                       "is no YAML: " + error.msg);
+                       "is not YAML: " + error.msg);
   }
 }
 
@@ -265,7 +266,7 @@ std::string why_no_value(const ParameterFacts& facts, double value) {
   if (!std::isfinite(value)) return fmt::format("is {}, expected a finite number", value);
   if (std::abs(value) > std::numeric_limits<float>::max())
     return fmt::format("is {}, expected a number that fits a float", value);
-  // Ranges of gains are advice of the documentation. Others have no meaning outside of theirs.
+  // Ranges of gains are only advice; other parameters are invalid outside their ranges.
   const std::string& name = facts.name;
   const bool strict = facts.integer || name.starts_with("MOT_") || name.starts_with("THR_") ||
                       name.starts_with("CA_");

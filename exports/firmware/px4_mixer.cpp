@@ -23,7 +23,7 @@ struct BoardRotor {
   double x = 0, y = 0, m = 0;
 };
 
-/// The rotor of the vehicle that turns alike and lies nearest in direction to one of the board's.
+/// The rotor of the vehicle with the same spin and the direction nearest to a rotor of the board.
 std::size_t nearest(const Vehicle& vehicle, const BoardRotor& rotor, const std::string& name) {
   constexpr double kAlike = 0.7;  // within 45 degrees
   double best = kAlike;
@@ -39,13 +39,13 @@ std::size_t nearest(const Vehicle& vehicle, const BoardRotor& rotor, const std::
   if (found == vehicle.rotors.size())
     throw InvalidInput("px4",
                        fmt::format("{}PX, PY, KM are {:.6g}, {:.6g}, {:.6g}, and no rotor of the "
-                                   "vehicle lies there and turns {}, expected one, because a rotor "
-                                   "in another place turns the vehicle over",
+                                   "vehicle is there and turns {}; a rotor "
+                                   "in another place would turn the vehicle over",
                                    name, rotor.x, rotor.y, rotor.m, rotor.m > 0 ? "ccw" : "cw"));
   return found;
 }
 
-/// The rotors as the board has them, and which of the vehicle's each is.
+/// The rotors as configured on the board, and the corresponding rotors of the vehicle.
 struct BoardRotors {
   std::vector<BoardRotor> rotors;
   std::vector<std::size_t> own;
@@ -78,14 +78,15 @@ BoardRotors board_rotors(const Vehicle& vehicle, const ParameterValues& value) {
     const std::string name = fmt::format("CA_ROTOR{}_", i);
     board.own.push_back(nearest(vehicle, board.rotors[i], name));
     if (std::count(board.own.begin(), board.own.end(), board.own.back()) > 1)
-      throw InvalidInput("px4", name +
-                                    "PX, PY, KM are those of a rotor that another one is as well, "
-                                    "expected each rotor of the vehicle once");
+      throw InvalidInput("px4",
+                         name +
+                             "PX, PY, KM match a rotor of the vehicle that is already assigned; "
+                             "expected each rotor of the vehicle once");
   }
   return board;
 }
 
-/// Rows roll, pitch, yaw, thrust of a unit command of each rotor.
+/// Roll, pitch, yaw and thrust (rows) for a unit command of each rotor.
 MatrixXd geometry(const std::vector<BoardRotor>& rotors) {
   MatrixXd effect(4, std::ssize(rotors));
   for (std::size_t i = 0; i < rotors.size(); ++i)
@@ -129,20 +130,20 @@ std::vector<std::size_t> px4_order(const Vehicle& vehicle) {
 MatrixXd px4_mix(const Vehicle& vehicle, const ParameterValues& value) {
   const double count = value("CA_ROTOR_COUNT");
   if (!std::isnan(count) && count != static_cast<double>(vehicle.rotors.size()))
-    throw InvalidInput("px4", fmt::format("CA_ROTOR_COUNT is {:g} and the vehicle has {} rotors, "
+    throw InvalidInput("px4", fmt::format("CA_ROTOR_COUNT is {:g} but the vehicle has {} rotors; "
                                           "expected the same number",
                                           count, vehicle.rotors.size()));
-  constexpr std::size_t kMostRotors = 12;
-  if (vehicle.rotors.size() > kMostRotors)
-    throw InvalidInput("px4", fmt::format("the vehicle has {} rotors, expected at most {}, for "
+  constexpr std::size_t kMaxRotors = 12;
+  if (vehicle.rotors.size() > kMaxRotors)
+    throw InvalidInput("px4", fmt::format("the vehicle has {} rotors; expected at most {}, for "
                                           "which there are parameters",
-                                          vehicle.rotors.size(), kMostRotors));
+                                          vehicle.rotors.size(), kMaxRotors));
   const BoardRotors board = board_rotors(vehicle, value);
   const MatrixXd effect = geometry(board.rotors);
   MatrixXd mix = effect.completeOrthogonalDecomposition().pseudoInverse();
   if (!((effect * mix).isIdentity(1e-9)))
     throw InvalidInput("px4",
-                       "the rotors cannot turn about each axis by themselves, expected a "
+                       "the rotors cannot produce independent torques about all axes; expected a "
                        "geometry with which roll, pitch, yaw and thrust are independent");
   const auto used = [&](Index column) {
     return static_cast<double>((mix.col(column).array().abs() > 1e-9).count());
@@ -153,7 +154,7 @@ MatrixXd px4_mix(const Vehicle& vehicle, const ParameterValues& value) {
   const double tilt = std::max(tilt_scale(0), tilt_scale(1));
   mix.leftCols(2) /= tilt;
   mix.col(2) /= mix.col(2).maxCoeff();
-  constexpr double kNone = 1e-3;  // smaller entries are no entries
+  constexpr double kNone = 1e-3;  // smaller entries are treated as zero
   mix = (mix.array().abs() < kNone).select(0, mix);
   MatrixXd result(mix.rows(), 3);
   for (std::size_t i = 0; i < board.own.size(); ++i)

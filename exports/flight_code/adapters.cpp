@@ -18,7 +18,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// The place of a motor, seen from above: signs of x forward and y right, and its sense of turning.
+/// The place of a motor, seen from above: signs of x (forward) and y (right), and its spin.
 struct MotorPlace {
   int x, y;
   std::optional<Spin> spin;  ///< none: either
@@ -34,12 +34,12 @@ constexpr std::array<MotorPlace, 4> kMamboMotors = {{{1, -1, Spin::clockwise},
                                                      {1, 1, Spin::counter_clockwise},
                                                      {-1, 1, Spin::clockwise},
                                                      {-1, -1, Spin::counter_clockwise}}};
-// PX4, quadrotor X: 1 front right, 2 back left, 3 front left, 4 back right. The senses are those of
-// the airframe's parameters, whatever they are.
+// PX4, quadrotor X: 1 front right, 2 back left, 3 front left, 4 back right. The airframe's
+// parameters define the spins, which are arbitrary.
 constexpr std::array<MotorPlace, 4> kPx4Motors = {
     {{1, 1, {}}, {-1, -1, {}}, {1, -1, {}}, {-1, 1, {}}}};
 
-/// The rotor that stands in each motor's place; empty unless each place has exactly one.
+/// The rotor in each motor's place; empty unless each place has exactly one.
 std::vector<std::size_t> by_place(const std::array<MotorPlace, 4>& motors, const Vehicle& vehicle) {
   std::vector<std::size_t> rotors;
   if (vehicle.rotors.size() != motors.size()) return {};
@@ -55,8 +55,9 @@ std::vector<std::size_t> by_place(const std::array<MotorPlace, 4>& motors, const
   return rotors;
 }
 
-/// For each motor of the firmware the rotor of the vehicle in its place, from 0: "2, 0, 3, 1".
-/// @throws InvalidInput  for a vehicle that the firmware has no motors for
+/// For each motor of the firmware, the index from 0 of the vehicle's rotor in its place: "2, 0, 3,
+/// 1".
+/// @throws InvalidInput  if the vehicle's rotors do not match the firmware's motors
 std::string rotors_of_motors(const std::string& adapter, const Vehicle& vehicle) {
   const auto& motors = adapter == "crazyflie" ? kCrazyflieMotors
                        : adapter == "mambo"   ? kMamboMotors
@@ -69,14 +70,14 @@ std::string rotors_of_motors(const std::string& adapter, const Vehicle& vehicle)
                     "right counter-clockwise, back right clockwise, back left counter-clockwise, "
                     "front left clockwise",
                     vehicle.name));
-  if (rotors.empty()) {  // an airframe of its own, whose motors are numbered as its file has them
+  if (rotors.empty()) {  // a custom airframe: numbered as in the vehicle file
     rotors.resize(vehicle.rotors.size());
     std::iota(rotors.begin(), rotors.end(), 0);
   }
   return fmt::format("{}", fmt::join(rotors, ", "));
 }
 
-/// E.g. "my_racer" as "MyRacer".
+/// Converts a name such as "my_racer" to "MyRacer".
 std::string class_name(const std::string& name) {
   std::string result;
   bool capital = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scalar with which the library's templates compute what exported flight code computes in
-/// `float`, bit by bit: its sines and logarithms are those of the exported source.
+/// The scalar with which the library's templates reproduce, bit by bit, what exported flight code
+/// computes in `float`: its sines and logarithms are those of the exported source.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,9 +42,9 @@ struct BoardFloat {
   friend bool operator==(BoardFloat a, BoardFloat b) { return a.value == b.value; }
   friend bool operator!=(BoardFloat a, BoardFloat b) { return a.value != b.value; }
   friend BoardFloat select(bool mask, BoardFloat a, BoardFloat b) { return mask ? a : b; }
-  friend BoardFloat lesser(BoardFloat a, BoardFloat b) { return qt_min(a.value, b.value); }
-  friend BoardFloat greater(BoardFloat a, BoardFloat b) { return qt_max(a.value, b.value); }
-  friend BoardFloat magnitude(BoardFloat a) { return qt_abs(a.value); }
+  friend BoardFloat min_of(BoardFloat a, BoardFloat b) { return qt_min(a.value, b.value); }
+  friend BoardFloat max_of(BoardFloat a, BoardFloat b) { return qt_max(a.value, b.value); }
+  friend BoardFloat abs_of(BoardFloat a) { return qt_abs(a.value); }
   friend BoardFloat abs(BoardFloat a) { return qt_abs(a.value); }
   friend bool is_finite(BoardFloat a) { return qt_is_finite(a.value); }
   friend BoardFloat sqrt(BoardFloat a) { return qt_sqrt(a.value); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Numbers as initializers of C.
+/// Formats numbers as C initializers.
 #pragma once
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ class Structure {
     line(path_.empty() ? "};" : "},");
   }
   void number(const std::string& name, double x) { member(name, text(x, name)); }
-  /// A control period, by its name in C where it is that of the program.
+  /// A control period; by its name in C if it is that of the program.
   void period(const std::string& name, double dt) {
     member(name, dt == dt_ ? "QT_DT" : text(dt, name));
   }
@@ -42,7 +42,7 @@ class Structure {
   void integers(const std::string& name, const std::vector<int>& x) {
     member(name, fmt::format("{{{}}}", fmt::join(x, ", ")));
   }
-  /// Row by row.
+  /// A matrix, row by row.
   void matrix(const std::string& name, const Eigen::MatrixXd& M) {
     std::string rows;
     for (Eigen::Index i = 0; i < M.rows(); ++i) {
@@ -61,7 +61,7 @@ class Structure {
       if (!part.empty()) where += part + ".";
     return c_number(x, double_, where + name);
   }
-  /// Numbers in braces, folded at 100 columns.
+  /// Numbers in braces, wrapped at 100 columns.
   [[nodiscard]] std::string list(const Numbers& x, const std::string& name,
                                  std::size_t indent) const {
     constexpr std::size_t kWidth = 98;

@@ -57,11 +57,11 @@ std::string sensors_in_words(const ProgramSettings& program) {
 }
 
 std::string estimator_in_words(const ProgramSettings& s) {
-  if (!s.has_estimator()) return "none; the caller brings the estimate";
+  if (!s.has_estimator()) return "none; the caller provides the estimate";
   const std::string sensors = sensors_in_words(s);
   if (s.general) return "the general filter, an error-state Kalman filter of " + sensors;
   const auto calibrated = [](double time) {
-    return fmt::format("; the vehicle must stand still for {} s after the start", time);
+    return fmt::format("; the vehicle must be stationary for {} s after the start", time);
   };
   if (s.mambo) return "that of the Mambo, from " + sensors + calibrated(s.mambo->calibration_time);
   return "the filter of the uquad, an extended Kalman filter of " + sensors +
@@ -235,7 +235,7 @@ std::string flight_code_name(const std::string& name) {
   }
   if (result.empty() || std::isalpha(static_cast<unsigned char>(result[0])) == 0)
     result = "vehicle_" + result;
-  if (result.size() > kLongestFlightCodeName) result.resize(kLongestFlightCodeName);
+  if (result.size() > kMaxFlightCodeName) result.resize(kMaxFlightCodeName);
   return result;
 }
 
@@ -349,8 +349,8 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "recursion.\n\n"
       "- Estimator: {4}.\n"
       "- Law: {5}.\n"
-      "- Allocation: the nearest wrench that the rotors can produce; yaw torque gives way first, "
-      "then thrust,\n  roll and pitch torque last.\n"
+      "- Allocation: the nearest wrench that the rotors can produce; yaw torque is reduced "
+      "first, then thrust,\n  roll and pitch torque last.\n"
       "- Commands: {6}.\n{10}\n"
       "[{0}.h]({0}.h) has the entry points, with units and axes:\n\n"
       "```c\n"
@@ -361,17 +361,17 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "  send(output.command);\n"
       "}}\n"
       "```\n\n"
-      "`make test` needs a C compiler alone. It replays [flight.txt](flight.txt), a simulated "
+      "`make test` needs only a C compiler. It replays [flight.txt](flight.txt), a simulated "
       "flight, and compares\nevery command and every estimate bit by bit with what quadtune's own "
       "law and filter compute. For a board compile\n\n"
       "    {8}\n\n"
-      "with `-std=c99 -ffp-contract=off`. Where the compiler contracts products and sums, results "
-      "differ in the last bits.\nIt must not be told `-ffast-math`; the program then does not "
+      "with `-std=c99 -ffp-contract=off`. If the compiler contracts products and sums, results "
+      "differ in the last bits.\n`-ffast-math` is not allowed; with it, the program does not "
       "compile.\n\n"
-      "`make misra` asks cppcheck for violations of MISRA C:2012. The Makefile names the "
+      "`make misra` checks with cppcheck for violations of MISRA C:2012. The Makefile lists the "
       "deviations.\n\n{9}"
-      "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
-      "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
+      "The program does not arm, monitor the battery or abort a flight: a supervisor must stop the "
+      "motors if the vehicle\ntilts too far, or if `estimate.finite` is false.\n",
       name, in_comment(content.vehicle.name),
       content.flight_code.double_precision ? "double" : "float", s.dt, estimator_in_words(s), law,
       command_in_words(s),

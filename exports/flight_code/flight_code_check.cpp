@@ -36,8 +36,8 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-/// The files that the gains of an export, or its schedule, and a vehicle give, without gains.json:
-/// it also contains weights, and verify_export() compares it with the manifest.
+/// The files that result from the gains of an export, or its schedule, and a vehicle. Without
+/// gains.json, which also contains weights and is compared with the manifest by verify_export().
 struct MadeAnew {
   ExportContent content;
   std::vector<FileContent> files;
@@ -59,8 +59,9 @@ struct MadeAnew {
   }
 };
 
-/// How the files of a directory differ from those of the program; empty if they do not. The numbers
-/// of another program must not lie there: a board's build that takes every file would find both.
+/// Describes how the files of a directory differ from those of the program; empty if they agree.
+/// The directory must not contain the numbers of another program: a build of all files would
+/// include both.
 std::string text_difference(const fs::path& directory, const MadeAnew& made) {
   const std::vector<FileContent>& expected = made.files;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
@@ -68,14 +69,14 @@ std::string text_difference(const fs::path& directory, const MadeAnew& made) {
     if ((name.ends_with("_parameters.c") || name.ends_with(exports::kTableEnd)) &&
         std::none_of(expected.begin(), expected.end(),
                      [&](const FileContent& file) { return file.name == name; }))
-      return name + " belongs to another program, expected it elsewhere";
+      return name + " belongs to another program; move it to another folder";
   }
   return file_difference(
       directory, expected,
       made.content.schedule ? "the schedule and its options" : "the gains and the vehicle");
 }
 
-/// The first program that a target needs and that is not installed; empty if all are.
+/// The first program that a target requires and that is not installed; empty if all are.
 std::string missing_program(FlightCodeTarget target) {
   std::vector<std::string> needed = {"cc"};
   if (target == FlightCodeTarget::arm) needed = {"arm-linux-gnueabihf-gcc", "qemu-arm"};
@@ -84,7 +85,7 @@ std::string missing_program(FlightCodeTarget target) {
   return "";
 }
 
-/// The words that start a program.
+/// The command line that starts a program.
 std::vector<std::string> command_of(const fs::path& folder, FlightCodeTarget target,
                                     const std::string& argument) {
   std::vector<std::string> words = {(folder / "replay").string(), argument};
@@ -92,9 +93,9 @@ std::vector<std::string> command_of(const fs::path& folder, FlightCodeTarget tar
   return words;
 }
 
-/// Writes the files of a program, whose text has been checked, into a folder and compiles them into
-/// the program `replay` there.
-/// @return  the last line of the compiler's errors; empty if it has none
+/// Writes the files of a program, whose text has been checked, to a folder and compiles them there
+/// to the program `replay`.
+/// @return  the last line of the compiler's errors; empty on success
 std::string compile(const MadeAnew& made, const fs::path& folder, FlightCodeTarget target) {
   const bool arm = target == FlightCodeTarget::arm;
   std::vector<std::string> words = {arm ? "arm-linux-gnueabihf-gcc" : "cc",
@@ -119,7 +120,7 @@ std::string compile(const MadeAnew& made, const fs::path& folder, FlightCodeTarg
                      internal::printable(last_line(said)));
 }
 
-/// Replays what was recorded, and the run of the Kalman filters where there is one.
+/// Replays the recording, and the run of the Kalman filters if there is one.
 void replay_in(const fs::path& folder, FlightCodeTarget target, const std::string& recording,
                VerifyCheck& check) {
   check.ok = true;
@@ -193,13 +194,14 @@ CompiledProgram::CompiledProgram(const fs::path& directory, const Vehicle& vehic
     : parts_(std::make_unique<Parts>()) {
   const MadeAnew made(directory, vehicle);
   if (made.content.schedule)
-    throw InvalidInput(directory.string(),
-                       "is the program of a gain schedule, expected one that flies");
+    throw InvalidInput(
+        directory.string(),
+        "is the program of a gain schedule, which does not fly; expected a control program");
   if (const std::string difference = text_difference(directory, made); !difference.empty())
-    throw InvalidInput(directory.string(), difference + "; `quadtune verify` tells more");
+    throw InvalidInput(directory.string(), difference + "; run `quadtune verify` for details");
   if (const std::string missing = missing_program(target); !missing.empty())
     throw FileError(missing,
-                    "is not installed here, expected it because it compiles or runs the "
+                    "is not installed; it is required to compile or run the "
                     "flight code");
   if (const std::string refused = compile(made, parts_->folder.path(), target); !refused.empty())
     throw InvalidInput(directory.string(), refused);

@@ -8,7 +8,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// A schedule is no law: what reads laws finds none, and what reads gains.json is not asked.
+/// Handles schedules, which are not laws: there are no laws to read, and gains.json is not read.
 void add_schedules(Exporter& exporter) {
   exporter.read = [read = std::move(exporter.read)](const std::filesystem::path& directory,
                                                     const Manifest& manifest) -> StoredLaws {
@@ -32,13 +32,13 @@ void add_schedules(Exporter& exporter) {
 }  // namespace
 
 Exporter flight_code_exporter() {
-  // The C is not parsed: the laws are read from the gains.json that is exported with it.
+  // The C code is not parsed: the laws are read from the gains.json that is exported with it.
   Exporter exporter = json_exporter();
   exporter.target = export_target("c", "exporter");
   exporter.files = flight_code_files;
   exporter.gain_files = {kGainsJsonName, kFlightCodeName, kScheduleJsonName};
   exporter.read_plain = {};
-  exporter.weights_difference = {};  // written_again compares gains.json whole
+  exporter.weights_difference = {};  // written_again compares all of gains.json
   add_schedules(exporter);
   return exporter;
 }

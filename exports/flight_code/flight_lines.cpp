@@ -25,7 +25,7 @@ class FlightLines::Line {
   }
   /// Position, roll, pitch, yaw, body velocity, rates.
   void state(const StateVector<double>& x) { numbers(x); }
-  /// `0`, or `1 age value…` of a sample that came in this period.
+  /// `0`, or `1 age value…` for a sample that arrived in this period.
   void sample(const auto& of) {
     flag(of.fresh);
     if (!of.fresh) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What goes into a flight program and comes out of it, as lines of text: recorded flights have
-/// them, and `replay -` reads and writes them. docs/formats.md, "Recorded flights of flight code".
+/// Inputs and outputs of a flight program as lines of text, as in recorded flights and in the input
+/// and output of `replay -`. docs/formats.md, "Recorded flights of flight code".
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace quadtune::exports {
 
-/// Writes numbers in the shortest form that reads back as the same float or double.
+/// Writes numbers in the shortest form that reads back to the same float or double.
 class FlightLines {
  public:
-  /// @param with_sensors  whether the program has an estimator; else it is given the estimate
+  /// @param with_sensors  whether the program has an estimator; otherwise its input is the estimate
   FlightLines(bool with_sensors, bool double_precision)
       : sensors_(with_sensors), double_(double_precision) {}
 
   [[nodiscard]] std::string start(const ProgramStart& start) const;
-  /// What the sensors say, or the true state.
+  /// The sensor samples, or the true state.
   [[nodiscard]] std::string input(const EstimatorInput& input) const;
   [[nodiscard]] std::string reference(const Reference<double>& reference,
                                       const Eigen::VectorXd& idle) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A flight program as the library's templates compute it: what its C must give, bit by bit, in
-/// `float` (BoardFloat) and in `double` (Pack<1>).
+/// A flight program computed by the library's templates: its C code must give the same results, bit
+/// by bit, in `float` (BoardFloat) and in `double` (Pack<1>).
 #pragma once
 
 #include <type_traits>
@@ -13,7 +13,7 @@
 
 namespace quadtune::exports {
 
-/// Settings in another precision.
+/// Converts settings to another precision.
 template <class T>
 [[nodiscard]] CascadedPidSettings<T> program_cast(const CascadedPidSettings<double>& from) {
   CascadedPidSettings<T> to;
@@ -38,7 +38,7 @@ template <class T>
   to.attitude_limit = T(from.attitude_limit);
   to.weight = T(from.weight);
   to.take_off_thrust = T(from.take_off_thrust);
-  to.greatest_thrust = T(from.greatest_thrust);
+  to.max_thrust = T(from.max_thrust);
   to.velocity_feed_forward = from.velocity_feed_forward;
   to.conditional_integration = from.conditional_integration;
   return to;
@@ -89,9 +89,9 @@ template <class T>
 template <class T>
 [[nodiscard]] ThrustLimits<T> program_cast(const ThrustLimits<double>& from) {
   ThrustLimits<T> to;
-  for (std::size_t i = 0; i < from.least.size(); ++i) {
-    to.least[i] = T(from.least[i]);
-    to.greatest[i] = T(from.greatest[i]);
+  for (std::size_t i = 0; i < from.min.size(); ++i) {
+    to.min[i] = T(from.min[i]);
+    to.max[i] = T(from.max[i]);
   }
   to.floor = T(from.floor);
   return to;
@@ -130,7 +130,7 @@ template <class T>
   return to;
 }
 
-/// What is known when a program starts.
+/// Values that are known when a program starts.
 struct ProgramStart {
   StateVector<double> x = StateVector<double>::Zero();
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< [rad/s]
@@ -138,12 +138,12 @@ struct ProgramStart {
   double pressure_height = 0;                            ///< offset of the barometer's height [m]
 };
 
-/// What a program gives in one control period.
+/// The output of a program in one control period.
 struct ProgramOutput {
   Eigen::VectorXd commands;  ///< (rotors) with the signs of the motors
   StateVector<double> estimate = StateVector<double>::Zero();
-  bool limited = false;  ///< the wrench asked for is another than that which the motors produce
-  bool finite = true;    ///< of the estimate
+  bool limited = false;  ///< whether the motors cannot produce the requested wrench
+  bool finite = true;    ///< whether the estimate is finite
 
   friend bool operator==(const ProgramOutput& a, const ProgramOutput& b) {
     return a.commands == b.commands && a.estimate == b.estimate && a.limited == b.limited &&
@@ -151,7 +151,7 @@ struct ProgramOutput {
   }
 };
 
-/// The program qt of source/program.c.
+/// The program qt, as implemented in source/program.c.
 template <class T>
 class FlightProgram {
  public:
@@ -196,7 +196,7 @@ class FlightProgram {
     return step<T>(*settings_.general, filter_, program_cast<T>(frame), MaskOf<T>(on_ground));
   }
 
-  /// The law, the allocation and the commands of one period.
+  /// Law, allocation and motor commands of one period.
   [[nodiscard]] ProgramOutput control(const Estimate<T>& estimate,
                                       const Reference<double>& reference) {
     ProgramOutput output = output_of(estimate);
@@ -209,28 +209,28 @@ class FlightProgram {
       output.limited = any(made.limited);
       speeds_ = speeds_of_wrench(allocation_, made.wrench);
       drive(speeds_, output.commands);
-      carried_out(cascade_settings_, cascade_, asked, made.wrench);
+      on_realized(cascade_settings_, cascade_, asked, made.wrench);
       return output;
     }
     const Inputs asked = step(feedback_settings_, feedback_, estimate, to);
     output.limited = make_speeds(asked, speeds_);
     drive(speeds_, output.commands);
-    carried_out(feedback_settings_, feedback_, asked,
+    on_realized(feedback_settings_, feedback_, asked,
                 output.limited ? inputs_of_speeds(speeds_) : asked);
     return output;
   }
 
-  /// One period in which the motors get these commands, whatever the law says.
+  /// One period in which the motors get these commands instead of those of the law.
   [[nodiscard]] ProgramOutput idle(const Estimate<T>& estimate, const Eigen::VectorXd& commands) {
     ProgramOutput output = output_of(estimate);
     speeds_.setConstant(allocation_.rotors, T(0));
     if (!output.finite) return output;
     convert_field(output.commands, commands);
     for (Eigen::Index i = 0; i < speeds_.size(); ++i)
-      speeds_(i) = speed_of(greater(direction(i) * T(commands(i)), T(0)));
+      speeds_(i) = speed_of(max_of(direction(i) * T(commands(i)), T(0)));
     if (settings_.cascade() || !feedback_settings_.remembers) return output;
     const Inputs told = inputs_of_speeds(speeds_);
-    carried_out(feedback_settings_, feedback_, told, told);
+    on_realized(feedback_settings_, feedback_, told, told);
     return output;
   }
 
@@ -258,7 +258,8 @@ class FlightProgram {
     return squared() ? T(speed * speed / gain) : T(speed / gain);
   }
 
-  /// The commands of speeds, within the motors' limits; the speeds become those of the commands.
+  /// Computes the commands for the speeds, within the motors' limits; the speeds become those of
+  /// the commands.
   void drive(RotorSpeeds<T>& speeds, Eigen::VectorXd& commands) const {
     const MotorCommand& motor = settings_.motor;
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
@@ -299,7 +300,8 @@ class FlightProgram {
     return inputs;
   }
 
-  /// The speeds nearest to what a state feedback asks for; whether they are others.
+  /// Computes the feasible speeds nearest to those of a state feedback; returns whether they
+  /// differ.
   [[nodiscard]] bool make_speeds(const Inputs& asked, RotorSpeeds<T>& speeds) const {
     if (feedback_settings_.input_kind == InputKind::wrench) {
       const LimitedWrench<T> made =
@@ -312,17 +314,16 @@ class FlightProgram {
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (feedback_settings_.input_kind == InputKind::rotor_speed)
-        speeds(i) = greater(asked(i), T(0));
+        speeds(i) = max_of(asked(i), T(0));
       else if (feedback_settings_.input_kind == InputKind::rotor_thrust)
         speeds(i) = speed_for_thrust(asked(i), allocation_.a2[k], allocation_.a1[k]);
       else
-        speeds(i) = speed_of(greater(asked(i), T(0)));
+        speeds(i) = speed_of(max_of(asked(i), T(0)));
     }
     const RotorSpeeds<T> thrusts = thrusts_of(speeds);
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
-      limited =
-          limited || any(thrusts(i) < limits_.least[k]) || any(thrusts(i) > limits_.greatest[k]);
+      limited = limited || any(thrusts(i) < limits_.min[k]) || any(thrusts(i) > limits_.max[k]);
     }
     const LimitedWrench<T> made =
         prioritized(allocation_, limits_, wrench_of_thrusts(allocation_, thrusts));

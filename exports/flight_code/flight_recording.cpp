@@ -8,7 +8,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// A program in a simulated flight, as its estimator and its law.
+/// A program as estimator and law of a simulated flight.
 class Flown {
  public:
   Flown(ProgramSettings settings, std::shared_ptr<RunningProgram> program, bool double_precision)
@@ -23,7 +23,7 @@ class Flown {
   }
 
   [[nodiscard]] Estimate<double> estimate(EstimatorInput input) {
-    // The law holds the unwrapped yaw.
+    // The law uses the unwrapped yaw.
     constexpr double kTurn = 2 * std::numbers::pi;
     input.true_state(5) += kTurn * std::nearbyint((yaw_ - input.true_state(5)) / kTurn);
     yaw_ = input.true_state(5);
@@ -37,8 +37,9 @@ class Flown {
     return keep(reference, Eigen::VectorXd::Zero(signs.size())).cwiseProduct(signs);
   }
 
-  /// Where the law does not have the motors, the program learns what they get.
-  void carried_out(const Eigen::VectorXd& made) {
+  /// Informs the program of the actual commands in periods in which the law does not control the
+  /// motors.
+  void on_realized(const Eigen::VectorXd& made) {
     if (std::exchange(commanded_, false)) return;
     Reference<double> reference;
     reference.phase = FlightPhase::off;
@@ -82,16 +83,16 @@ class FlownLaw final : public FlightLaw {
                           const Reference<double>& reference) override {
     return flown_->command(reference);
   }
-  void carried_out(const Eigen::VectorXd& /*asked*/, const Eigen::VectorXd& made) override {
-    flown_->carried_out(made);
+  void on_realized(const Eigen::VectorXd& /*asked*/, const Eigen::VectorXd& made) override {
+    flown_->on_realized(made);
   }
 
  private:
   std::shared_ptr<Flown> flown_;
 };
 
-/// A flight that begins in the air begins with the sensors' true offsets, as with the library's
-/// filters: they were estimated before.
+/// A flight that starts in the air starts with the sensors' true biases, as with the library's
+/// filters, because they were estimated before.
 ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
                       const StateVector<double>& x) {
   ProgramStart start;

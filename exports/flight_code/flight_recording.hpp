@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A flight with a flight program in the place of the library's law and estimator.
+/// Records a flight with a flight program instead of the library's law and estimator.
 #pragma once
 
 #include <memory>
@@ -10,10 +10,10 @@
 
 namespace quadtune::exports {
 
-/// The file of the flight that `replay` repeats.
+/// Name of the file with the flight that `replay` reproduces.
 inline constexpr char kRecordedFlight[] = "flight.txt";
 
-/// A flight program as it runs: the library's templates, or a process.
+/// A running flight program: the library's templates, or a process.
 class RunningProgram {
  public:
   RunningProgram() = default;
@@ -22,10 +22,10 @@ class RunningProgram {
   virtual ~RunningProgram() = default;
 
   virtual void start(const ProgramStart& start) = 0;
-  /// The first half of a control period.
+  /// The first half of a control period: the estimator.
   [[nodiscard]] virtual Estimate<double> estimate(const EstimatorInput& input) = 0;
-  /// The second half, by the estimate of the first.
-  /// @param idle  commands of the motors where the phase is FlightPhase::off
+  /// The second half of a control period: law and commands, from the estimate of the first half.
+  /// @param idle  motor commands if the phase is FlightPhase::off
   [[nodiscard]] virtual ProgramOutput control(const Reference<double>& reference,
                                               const Eigen::VectorXd& idle) = 0;
 };
@@ -34,7 +34,7 @@ class RunningProgram {
 [[nodiscard]] std::shared_ptr<RunningProgram> template_program(const ProgramSettings& settings,
                                                                bool double_precision);
 
-/// A process that answers as `replay -` of an exported program does.
+/// A process that behaves like `replay -` of an exported program.
 /// @throws FileError  if it cannot be started
 [[nodiscard]] std::shared_ptr<RunningProgram> process_program(
     const ProgramSettings& settings, const std::vector<std::string>& command,
@@ -45,10 +45,10 @@ struct RecordedFlight {
   std::string text;  ///< docs/formats.md, "Recorded flights of flight code"
 };
 
-/// Flies a setup by a program, its allocation and the limits of its commands included, and writes
-/// down what went in and came out.
-/// @param setup        where, by which vehicle and in which weather; its law, its estimator and its
-///                     allocation are not used
+/// Flies a setup with a program, including its allocation and command limits, and records its
+/// inputs and outputs.
+/// @param setup        vehicle, mission and environment; its law, estimator and allocation are not
+///                     used
 /// @param settings     of the program
 /// @param interrupted  as fly()
 [[nodiscard]] RecordedFlight record_flight(const FlightSetup& setup,

@@ -16,7 +16,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// That the numbers which a filter runs with are those of one filter.
+/// Checks that the matrices of a filter have consistent shapes and finite entries.
 void require_whole(const KalmanFilter& filter) {
   const std::string where = "filter '" + filter.name + "'";
   const Eigen::Index states = filter.model.A.rows(), inputs = filter.model.B.cols(),
@@ -70,7 +70,7 @@ class KalmanRun {
   }
 
  private:
-  /// What the filter expects, off by the noise; now and then nothing.
+  /// The filter's expected measurement plus noise; sometimes no measurement.
   Vector measurement(const SteadyFilterState<T>& state, int k) {
     Vector y = random(filter_.model.C.rows(),
                       [&](Eigen::Index i) { return 2 * std::sqrt(filter_.R(i, i)); });
@@ -85,7 +85,7 @@ class KalmanRun {
     if (k % 20 == 13 && u.size() > 0) u(k % u.size()) = std::numeric_limits<T>::infinity();
     return u;
   }
-  /// Even within -size(i) ... size(i).
+  /// Uniformly distributed within -size(i) ... size(i).
   Vector random(Eigen::Index entries, const auto& size) {
     Vector x(entries);
     for (Eigen::Index i = 0; i < entries; ++i) {
@@ -138,7 +138,7 @@ std::string kalman_recording(const std::vector<KalmanFilter>& filters, bool doub
       "# A recorded run of the steady Kalman filters. `filter`, the number of the filter, and the\n"
       "# states it starts with; then a line for each of its periods: measurements y, inputs u, "
       "and\n"
-      "# the estimate that the filter gives. nan: nothing was measured.\n";
+      "# the estimate that the filter gives. nan: no measurement.\n";
   for (std::size_t i = 0; i < filters.size(); ++i)
     text += double_precision ? KalmanRun<double>(filters[i], i).text()
                              : KalmanRun<float>(filters[i], i).text();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The steady Kalman filters of a design beside its flight program.
+/// The steady Kalman filters of a design, exported with its flight program.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace quadtune::exports {
 
-/// Greatest numbers of a design's filters, at least 1 each.
+/// Maximum dimensions over the filters of a design, at least 1 each.
 struct KalmanSizes {
   int states = 1;
   int inputs = 1;
@@ -18,12 +18,12 @@ struct KalmanSizes {
 };
 [[nodiscard]] KalmanSizes kalman_sizes(const std::vector<KalmanFilter>& filters);
 
-/// Features, sizes and words of source/kalman.h; without filters there is nothing to choose.
-/// @throws InvalidInput  for matrices that do not fit each other or are not finite
+/// Selects the features, sizes and words of source/kalman.h; does nothing without filters.
+/// @throws InvalidInput  if the shapes of matrices disagree or an entry is not finite
 void choose_kalman(const std::vector<KalmanFilter>& filters, SourceChoices& choices);
 
-/// The first lines of a recorded run of the filters say what is in it; then each filter runs by the
-/// library's template, in the precision of the program, through made-up inputs and measurements.
+/// Records a run of each filter with simulated inputs and measurements, computed by the library's
+/// template in the precision of the program. The first lines describe the contents.
 [[nodiscard]] std::string kalman_recording(const std::vector<KalmanFilter>& filters,
                                            bool double_precision);
 

@@ -24,7 +24,7 @@ Numbers inverses(const Vector& scale) {
   return result;
 }
 
-/// Where the readings that a late sensor gave stand, and how they are weighed.
+/// Writes where the samples of a delayed sensor are stored, and their weights.
 void write_inertial(Structure& c, const std::string& name, const InertialAid& sensor, double dt,
                     int horizon) {
   const auto place = general_filter_internal::reading_place(sensor.lag, dt, horizon);
@@ -42,8 +42,8 @@ void write_inertial(Structure& c, const std::string& name, const InertialAid& se
   c.open(name + "_now");
   c.number("held", horizon > 0 ? std::min(sensor.lag, time) / time : 0);
   c.integer("count", static_cast<int>(later.size()));
-  later.resize(kMostHorizonPeriods);  // an array in C has all of its numbers or none
-  earlier.resize(kMostHorizonPeriods);
+  later.resize(kMaxHorizonPeriods);  // a C array needs all of its elements
+  earlier.resize(kMaxHorizonPeriods);
   c.numbers("later", later);
   c.numbers("earlier", earlier);
   c.close();
@@ -87,7 +87,7 @@ void write_sensors(Structure& c, const GeneralFilterSettings& s) {
     c.number("variance", s.flow->variance);
     c.numbers("inverse_scale", inverses(s.flow->scale));
     c.numbers("mean_square", of(s.flow->mean_square));
-    c.number("least_height", s.flow->least_height);
+    c.number("least_height", s.flow->min_height);
   }
   c.close();
   c.open("range");
@@ -96,9 +96,9 @@ void write_sensors(Structure& c, const GeneralFilterSettings& s) {
     c.number("lag", s.range->aid.lag);
     c.number("variance", s.range->aid.variance);
     c.number("inverse_scale", 1 / s.range->aid.scale);
-    c.number("least", s.range->least);
-    c.number("greatest", s.range->greatest);
-    c.number("least_cosine", s.range->least_cosine);
+    c.number("least", s.range->min);
+    c.number("greatest", s.range->max);
+    c.number("least_cosine", s.range->min_cosine);
   }
   c.close();
   c.open("pressure");
@@ -143,15 +143,16 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
   c.number("lift_off_variance", s.lift_off_velocity * s.lift_off_velocity);
   write_start(c, s);
   Numbers due, behind;
-  for (int k = 0; k < kMostHorizonPeriods + 2; ++k) due.push_back(k * s.dt - kInstant);
-  for (int k = 0; k < kMostHorizonPeriods + 1; ++k) behind.push_back(k * s.dt);
+  for (int k = 0; k < kMaxHorizonPeriods + 2; ++k) due.push_back(k * s.dt - kInstant);
+  for (int k = 0; k < kMaxHorizonPeriods + 1; ++k) behind.push_back(k * s.dt);
   c.numbers("due", due);
   c.numbers("behind", behind);
   write_sensors(c, s);
   c.close();
 }
 
-/// Control periods k with (k + 1/2) dt before the end of the calibration: the filters' own rule.
+/// Number of control periods k with (k + 1/2) dt before the end of the calibration: the same rule
+/// as in the filters.
 int calibration_periods(const auto& s) {
   int periods = 0;
   while ((periods + 0.5) * s.dt < s.calibration_time) ++periods;
@@ -167,8 +168,8 @@ void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
   c.number("bias_time_constant", s.bias_time_constant);
   c.number("altitude_Q", s.altitude_Q);
   c.number("altitude_R", s.altitude_R);
-  c.number("sonar_least", s.sonar_least);
-  c.number("sonar_greatest", s.sonar_greatest);
+  c.number("sonar_least", s.sonar_min);
+  c.number("sonar_greatest", s.sonar_max);
   c.number("sonar_jump", s.sonar_jump);
   c.number("sonar_deviation", s.sonar_deviation);
   c.number("sonar_recovery_time", s.sonar_recovery_time);
@@ -177,7 +178,7 @@ void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
   c.number("flow_scale", s.flow_scale);
   c.numbers("flow_compensation", {s.flow_compensation_x, s.flow_compensation_y});
   c.number("gyro_lag", s.gyro_lag);
-  c.number("flow_least_height", s.flow_least_height);
+  c.number("flow_least_height", s.flow_min_height);
   c.number("flow_timeout", s.flow_timeout);
   c.boolean("hold_flow", s.hold_flow);
   c.boolean("position_of_flow", s.position == MamboPosition::flow_velocity);
@@ -186,7 +187,7 @@ void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
   c.close();
 }
 
-/// The vehicle as the uquad's filter predicts it.
+/// Writes the vehicle model with which the uquad's filter predicts.
 void write_body(Structure& c, const RigidBody& body) {
   const auto each = [&](const char* name, const auto& number) {
     Numbers numbers;
@@ -236,7 +237,7 @@ void write_estimator(Structure& c, const UquadProgram& program) {
   c.number("declination", s.declination);
   c.number("reference_pressure", s.reference_pressure);
   c.number("gps_timeout", s.gps_timeout);
-  c.number("still_variance", s.still_variance);
+  c.number("still_variance", s.zero_velocity_variance);
   c.number("standing_variance", s.standing_variance);
   write_body(c, program.body);
   c.numbers("hover_speed", of(program.hover));
@@ -269,7 +270,7 @@ void write_law(Structure& c, const CascadedPidSettings<double>& law) {
   c.number("attitude_limit", law.attitude_limit);
   c.number("weight", law.weight);
   c.number("take_off_thrust", law.take_off_thrust);
-  c.number("greatest_thrust", law.greatest_thrust);
+  c.number("greatest_thrust", law.max_thrust);
   c.boolean("velocity_feed_forward", law.velocity_feed_forward);
   c.boolean("conditional_integration", law.conditional_integration);
   c.close();
@@ -327,8 +328,8 @@ void write_motors(Structure& c, const ProgramSettings& s) {
   c.numbers("thrust0", of(s.allocation.thrust0));
   c.numbers("a2", first(s.allocation.a2));
   c.numbers("a1", first(s.allocation.a1));
-  c.numbers("least", first(s.limits.least));
-  c.numbers("greatest", first(s.limits.greatest));
+  c.numbers("least", first(s.limits.min));
+  c.numbers("greatest", first(s.limits.max));
   c.number("floor", s.limits.floor);
   c.number("gain", s.motor.gain);
   c.number("least_command", s.motor.min);
@@ -340,7 +341,7 @@ void write_motors(Structure& c, const ProgramSettings& s) {
 
 std::string filters_text(const std::vector<KalmanFilter>& filters, bool double_precision,
                          double dt) {
-  const KalmanSizes most = kalman_sizes(filters);
+  const KalmanSizes max = kalman_sizes(filters);
   Structure c(double_precision, dt);
   c.open("");
   for (const KalmanFilter& filter : filters) {
@@ -353,11 +354,11 @@ std::string filters_text(const std::vector<KalmanFilter>& filters, bool double_p
     c.integer("states", static_cast<int>(filter.model.A.rows()));
     c.integer("inputs", static_cast<int>(filter.model.B.cols()));
     c.integer("measurements", static_cast<int>(filter.model.C.rows()));
-    whole("A", filter.model.A, most.states, most.states);
-    whole("B", filter.model.B, most.states, most.inputs);
-    whole("C", filter.model.C, most.measurements, most.states);
-    whole("M", filter.M, most.states, most.measurements);
-    whole("L", filter.L, most.states, most.measurements);
+    whole("A", filter.model.A, max.states, max.states);
+    whole("B", filter.model.B, max.states, max.inputs);
+    whole("C", filter.model.C, max.measurements, max.states);
+    whole("M", filter.M, max.states, max.measurements);
+    whole("L", filter.L, max.states, max.measurements);
     c.close();
   }
   c.close();

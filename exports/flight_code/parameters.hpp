@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The numbers of a flight program as the structure qt_parameters of its C.
+/// The numbers of a flight program as the structure qt_parameters of its C code.
 #pragma once
 
 #include <string>
@@ -10,10 +10,9 @@
 
 namespace quadtune::exports {
 
-/// A number as it stands in the C: "0.005f", "1e-09f", "QT_INFINITY"; without f in double
-/// precision.
-/// @param where  its name, for the message
-/// @throws InvalidInput  for NaN, and for a number that overflows `float`
+/// Formats a number as in C: "0.005f", "1e-09f", "QT_INFINITY"; without f in double precision.
+/// @param where  name of the number, for messages
+/// @throws InvalidInput  if the number is NaN or overflows `float`
 [[nodiscard]] std::string c_number(double x, bool double_precision, const std::string& where);
 
 /// The source parameters.c, with the prefix qt.

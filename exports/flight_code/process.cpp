@@ -15,12 +15,12 @@
 
 #include "quadtune/errors.hpp"
 
-extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has it in no header
+extern char** environ;  // NOLINT(readability-redundant-declaration): no POSIX header declares it
 
 namespace quadtune::exports {
 namespace {
 
-/// Without it a write to a program that has ended would end this one.
+/// Blocks SIGPIPE, so that writing to a program that has ended does not terminate this one.
 class NoBrokenPipeSignal {
  public:
   NoBrokenPipeSignal() {
@@ -117,7 +117,7 @@ std::optional<std::string> Process::read_line() {
 }
 
 int Process::wait() {
-  constexpr int kUnknown = 255;  // where SIGCHLD is ignored the system keeps no status
+  constexpr int kUnknown = 255;  // no status is available if SIGCHLD is ignored
   int status = 0;
   pid_t ended = 0;
   do {

@@ -12,20 +12,20 @@ namespace quadtune::exports {
 
 class Process {
  public:
-  /// Starts a program, found by PATH. Its standard error goes where its standard output goes.
+  /// Starts a program, searched in PATH. Its standard error is merged into its standard output.
   /// @throws FileError  if it cannot be started
   explicit Process(const std::vector<std::string>& words);
-  /// Stops it if it still runs.
+  /// Terminates the program if it still runs.
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// @return  false if the program does not read any more
+  /// @return  false if the program no longer reads its input
   [[nodiscard]] bool write(const std::string& text);
-  /// The next line without its end; none at the end of what the program says.
+  /// The next line without its end; no value at the end of the output.
   [[nodiscard]] std::optional<std::string> read_line();
-  /// Ends its input, reads the rest of what it says, and waits until it ends.
-  /// @return  its exit status; 128 and more for a signal; 255 where the system does not tell
+  /// Closes its input, reads the rest of its output into `said`, and waits until it ends.
+  /// @return  its exit status; 128 and more for a signal; 255 if the system does not report it
   int finish(std::string& said);
 
  private:
@@ -38,7 +38,7 @@ class Process {
   std::string buffer_;
 };
 
-/// Whether a program of this name is found by PATH.
+/// Whether a program of this name is in PATH.
 [[nodiscard]] bool has_program(const std::string& name);
 
 }  // namespace quadtune::exports

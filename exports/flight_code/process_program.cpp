@@ -25,7 +25,7 @@ class ProcessProgram final : public RunningProgram {
   void start(const ProgramStart& start) override { send(lines_.start(start)); }
 
   Estimate<double> estimate(const EstimatorInput& input) override {
-    constexpr int kAnswers = 13;  // the states, and whether they are finite
+    constexpr int kAnswers = 13;  // the states, and a flag whether they are finite
     send(lines_.input(input));
     const std::vector<double> answer = receive(kAnswers);
     Estimate<double> result;
@@ -49,7 +49,7 @@ class ProcessProgram final : public RunningProgram {
   void send(const std::string& line) {
     if (!process_.write(line + "\n"))
       throw InvalidInput(name_,
-                         "the program does not read any more, expected it to run until the "
+                         "the program stopped reading its input; expected it to run until the "
                          "end of the flight");
   }
 
@@ -57,13 +57,13 @@ class ProcessProgram final : public RunningProgram {
     const std::optional<std::string> line = process_.read_line();
     if (!line)
       throw InvalidInput(name_,
-                         "the program ended, expected it to run until the end of the flight");
+                         "the program ended early; expected it to run until the end of the flight");
     std::vector<double> numbers;
     std::istringstream words(*line);
     for (std::string word; words >> word;) {
       std::size_t used = 0;
       try {
-        // What was a float is the same float again.
+        // Reading as float restores the value that was written as float.
         numbers.push_back(double_ ? std::stod(word, &used)
                                   : static_cast<double>(std::stof(word, &used)));
       } catch (const std::exception&) {

@@ -25,8 +25,8 @@ std::string included_estimator(const std::optional<StoredEstimator>& estimator,
 namespace exports {
 namespace {
 
-// From the ground to 1 m, then to another place, height and heading at once: errors are large, and
-// the motors meet their limits.
+// From the ground to 1 m, then a simultaneous step in position, height and heading: errors are
+// large, and the motors saturate.
 constexpr char kRecordedMission[] = R"(name = "recorded"
 description = "Up to 1 m, then a step aside and a turn at once"
 duration_s = 5
@@ -48,9 +48,10 @@ Controller controller_of(const ExportContent& content) {
   const std::string& law = content.flight_code.law;
   if (!law.empty()) require_flight_code_law(law, "flight code");
   if (law.empty() && content.gains && content.cascade)
-    throw InvalidInput("flight code",
-                       "the design has a cascaded PID and a state feedback, expected the law "
-                       "cascaded-pid or state-feedback to be chosen because one of them flies");
+    throw InvalidInput(
+        "flight code",
+        "the design has a cascaded PID and a state feedback, expected the law "
+        "cascaded-pid or state-feedback to be selected, because only one of them flies");
   const bool by_cascade = law.empty() ? !content.gains : law == "cascaded-pid";
   if (by_cascade ? !content.cascade || content.cascade->gains.loops.empty() : !content.gains)
     throw InvalidInput("flight code",
@@ -62,7 +63,7 @@ Controller controller_of(const ExportContent& content) {
   if (!(content.gains->dt > 0))
     throw InvalidInput("flight code",
                        "the gains are continuous, expected those of a sample period because a "
-                       "program runs once a period");
+                       "program runs once per period");
   return feedback_controller(*content.gains, content.gains->dt);
 }
 
@@ -73,20 +74,21 @@ FlightSetup recorded_setup(const ExportContent& content) {
   setup.vehicle = content.vehicle;
   setup.mission = parse_mission(kRecordedMission, "recorded mission");
   setup.controller = controller_of(content);
-  constexpr double kMostPeriods = 5000;  // each is a line
-  setup.duration = std::min(setup.mission.duration, kMostPeriods * control_period(setup));
+  constexpr double kMaxPeriods = 5000;  // one line each
+  setup.duration = std::min(setup.mission.duration, kMaxPeriods * control_period(setup));
   setup.allocation = AllocationRule::prioritized;
   setup.estimator = EstimatorKind::truth;
   const std::string estimator = included_estimator(content.estimator, content.flight_code.adapter);
   if (!estimator.empty()) setup.estimator = estimator_kind(estimator, "flight code");
   if (estimator == "mambo" || estimator == "uquad") {
     if (!feed_estimator(setup.vehicle.sensors, estimator))
-      throw InvalidInput("flight code",
-                         fmt::format("the sensors of '{}' do not feed the estimator '{}', expected "
-                                     "those that it needs at least",
-                                     setup.vehicle.name, estimator));
-    // These find the offsets of their sensors while the vehicle stands, here as long as in the
-    // built-in missions.
+      throw InvalidInput(
+          "flight code",
+          fmt::format("the sensors of '{}' do not suffice for the estimator '{}'; expected "
+                      "at least those that it requires",
+                      setup.vehicle.name, estimator));
+    // These estimators calibrate their sensors while the vehicle is stationary, here as long as in
+    // the built-in missions.
     constexpr double kCalibration = 0.5;  // [s]
     setup.mission.start.start_up = kCalibration;
     calibrate_flow(setup);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The numbers of a flight program, from which its C is written and with which the library flies
-/// it.
+/// The numbers of a flight program; its C code is written from them, and the library flies with
+/// them.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace quadtune::exports {
 
-/// The uquad's filter, and the vehicle that it predicts.
+/// The uquad's filter with the vehicle model with which it predicts.
 struct UquadProgram {
   UquadFilterSettings<double> filter;
   RigidBody body;
@@ -47,8 +47,8 @@ struct ProgramSettings {
   }
 };
 
-/// The flight that is recorded for an exported program: from the ground up, a step aside, a turn.
-/// The program's own law and estimator are those of the library.
+/// The flight that is recorded for an exported program: take-off, then a step in position and
+/// heading. The program's own law and estimator are those of the library.
 /// @throws InvalidInput  as flight_code_files()
 [[nodiscard]] FlightSetup recorded_setup(const ExportContent& content);
 

@@ -21,7 +21,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// In the order of qt_point_t; the words are those of QT_WITH_X.
+/// In the order of qt_point_t; the names are those of QT_WITH_X.
 constexpr std::pair<ScheduleQuantity, const char*> kPointMembers[] = {
     {ScheduleQuantity::speed, "SPEED"},
     {ScheduleQuantity::climb, "CLIMB"},
@@ -29,7 +29,7 @@ constexpr std::pair<ScheduleQuantity, const char*> kPointMembers[] = {
     {ScheduleQuantity::mass, "MASS"},
     {ScheduleQuantity::density, "DENSITY"}};
 
-/// The axes in the order of qt_point_t: where each stands in the schedule.
+/// The indices in the schedule of the axes in the order of qt_point_t.
 std::vector<Eigen::Index> axes_of_point(const GainSchedule& schedule) {
   std::vector<Eigen::Index> order;
   for (const auto& [quantity, word] : kPointMembers)
@@ -42,7 +42,7 @@ std::string in_brackets(const std::string& unit) {
   return unit.empty() ? "[1]" : fmt::format("[{}]", in_comment(unit));
 }
 
-/// "K, K_int, x0 and u0"
+/// For example "K, K_int, x0 and u0".
 std::string numbers_in_words(const GainSchedule& schedule) {
   return schedule.integrals.empty() ? "K, x0 and u0" : "K, K_int, x0 and u0";
 }
@@ -58,7 +58,7 @@ std::string law_in_words(const GainSchedule& schedule) {
 
 std::string sample_time_in_words(const GainSchedule& schedule) {
   return schedule.dt > 0 ? fmt::format("{} s", schedule.dt)
-                         : "none, the law is continuous; take one that is short";
+                         : "none, because the law is continuous; use a short period";
 }
 
 std::string axis_in_words(const ScheduleAxis& axis) {
@@ -70,7 +70,7 @@ std::string axis_in_words(const ScheduleAxis& axis) {
                      axis.values.back(), in_unit, axis.values.size());
 }
 
-/// The signals by their places in a vector, a line each.
+/// Lists the signals with their indices in a vector, one per line.
 void add_signals(const char* vector, const std::vector<Signal>& signals, const std::string& rest,
                  std::vector<std::string>& lines) {
   for (std::size_t i = 0; i < signals.size(); ++i)
@@ -89,7 +89,7 @@ std::string signals_in_words(const GainSchedule& schedule) {
   return internal::joined(lines, "\n * ");
 }
 
-/// Bytes of the constant arrays; flags fill whole words.
+/// Size of the constant arrays in bytes; flags are padded to whole words.
 std::size_t table_bytes(const GainSchedule& schedule, bool double_precision) {
   std::size_t numbers = static_cast<std::size_t>(schedule.K.size() + schedule.K_int.size() +
                                                  schedule.x0.size() + schedule.u0.size());
@@ -175,9 +175,10 @@ std::string axes_text(const GainSchedule& schedule, bool double_precision) {
       if (!double_precision && i > 0 &&
           static_cast<float>(axis.values[i]) == static_cast<float>(axis.values[i - 1]))
         throw InvalidInput(
-            "schedule", fmt::format("{} has {} after {}, which are one number in float, expected "
-                                    "values apart or double precision",
-                                    name, axis.values[i], axis.values[i - 1]));
+            "schedule",
+            fmt::format("{} has {} after {}, which are the same number in float; expected "
+                        "values that differ in float, or double precision",
+                        name, axis.values[i], axis.values[i - 1]));
     }
   }
   std::string text;
@@ -190,8 +191,8 @@ std::string axes_text(const GainSchedule& schedule, bool double_precision) {
       text, fmt::join(starts, ", "), fmt::join(lengths, ", "));
 }
 
-/// The gains, or the trims, of all points; zero where there are none.
-/// @param write  writes those of one point into the structure
+/// The gains, or the trims, of all points; zero at points without them.
+/// @param write  writes the values of one point into the structure
 std::string points_text(const GainSchedule& schedule, bool double_precision, const char* type,
                         const char* table, const auto& write) {
   Structure c(double_precision, std::numeric_limits<double>::quiet_NaN());
@@ -247,7 +248,7 @@ std::string table_text(const GainSchedule& schedule, bool double_precision) {
   return text;
 }
 
-/// Draws numbers that depend on nothing but how many came before.
+/// Pseudo-random numbers that depend only on their index in the sequence.
 class Drawn {
  public:
   double between(double low, double high) {
@@ -259,16 +260,16 @@ class Drawn {
   std::uint64_t index_ = 0;
 };
 
-/// Points of the grid, and of draws that reach a quarter of the span beyond it; then numbers that
+/// Points of the grid, and random points up to a quarter of the span beyond it; then points that
 /// are not finite.
 std::vector<Eigen::VectorXd> points_to_record(const GainSchedule& schedule, int count,
                                               Drawn& drawn) {
-  constexpr Eigen::Index kMostOfGrid = 32;
+  constexpr Eigen::Index kMaxOfGrid = 32;
   std::vector<Eigen::VectorXd> points;
-  // The first has gains, so that there are some where others have none.
+  // The first point has gains, so that later points without gains have previous ones to keep.
   for (Eigen::Index p = 0; points.empty(); ++p)
     if (schedule.solved(p)) points.push_back(grid_point(schedule.axes, p));
-  const Eigen::Index of_grid = std::min(schedule.size(), kMostOfGrid);
+  const Eigen::Index of_grid = std::min(schedule.size(), kMaxOfGrid);
   for (Eigen::Index i = 0; i < of_grid; ++i)
     points.push_back(
         grid_point(schedule.axes, of_grid == 1 ? 0 : i * (schedule.size() - 1) / (of_grid - 1)));
@@ -277,7 +278,7 @@ std::vector<Eigen::VectorXd> points_to_record(const GainSchedule& schedule, int 
     for (std::size_t a = 0; a < schedule.axes.size(); ++a) {
       const double first = schedule.axes[a].values.front(), last = schedule.axes[a].values.back();
       const double beyond = 0.25 * (first < last ? last - first : 1);
-      // An axis of one value is met as well.
+      // Includes the value of an axis with a single value.
       const bool met = first == last && i % 2 == 0;
       points.back()(static_cast<Eigen::Index>(a)) =
           met ? first : drawn.between(first - beyond, last + beyond);
@@ -368,17 +369,19 @@ std::string readme_of(const GainSchedule& schedule, const ExportContent& content
       "reference */\n"
       "}}\n"
       "```\n\n"
-      "Beyond the grid its nearest edge holds. Where the grid has no gain, or a value is not "
-      "finite, the gains before\nstay; the status says so.\n\n"
-      "`make test` needs a C compiler alone. It looks the points of [{12}]({12}) up and compares "
+      "Beyond the grid, its nearest edge is used. If the grid has no gain, or a value is not "
+      "finite, the previous\ngains are kept; the status reports it.\n\n"
+      "`make test` needs only a C compiler. It evaluates the points of [{12}]({12}) and compares "
       "every number bit by bit\nwith what quadtune's own interpolation computes. For a board "
       "compile\n\n    {0}.c {0}_table.c\n\n"
-      "with `-std=c99 -ffp-contract=off`. Where the compiler contracts products and sums, results "
-      "differ in the last bits.\nIt must not be told `-ffast-math`; the program then does not "
-      "compile. `make misra` asks cppcheck for violations of\nMISRA C:2012. The Makefile names the "
+      "with `-std=c99 -ffp-contract=off`. If the compiler contracts products and sums, results "
+      "differ in the last bits.\n`-ffast-math` is not allowed; with it, the program does not "
+      "compile. `make misra` checks with cppcheck for violations of\nMISRA C:2012. The Makefile "
+      "lists the "
       "deviations.\n\n"
-      "Commands are not limited to what the motors can do, and integrals do not stop there: both "
-      "are the caller's.\n",
+      "Commands are not limited to what the motors can do, and integrals do not stop at these "
+      "limits: the\n"
+      "caller must do both.\n",
       name, in_comment(content.vehicle.name),
       content.flight_code.double_precision ? "double" : "float",
       table_bytes(schedule, content.flight_code.double_precision), law_in_words(schedule),
@@ -391,8 +394,8 @@ void require_schedule_options(const FlightCodeOptions& options) {
   const auto none = [](const char* what, const std::string& came) {
     if (!came.empty())
       throw InvalidInput("flight code",
-                         fmt::format("the {} '{}' came with a gain schedule, expected none because "
-                                     "the program holds the schedule alone",
+                         fmt::format("the {} '{}' cannot be exported with a gain schedule, because "
+                                     "such a program contains only the schedule",
                                      what, came));
   };
   none("law", options.law);
@@ -407,10 +410,10 @@ std::string schedule_program_name(const ExportContent& content) {
     require_flight_code_name(asked, "flight code");
     return asked;
   }
-  // Another name than that of the vehicle's flight program, which may stand beside it.
+  // Must differ from the name of the vehicle's flight program, which may be in the same folder.
   constexpr std::string_view kEnd = "_schedule";
   const std::string name =
-      flight_code_name(content.vehicle.name).substr(0, kLongestFlightCodeName - kEnd.size());
+      flight_code_name(content.vehicle.name).substr(0, kMaxFlightCodeName - kEnd.size());
   return name + std::string(kEnd);
 }
 
@@ -419,7 +422,8 @@ std::vector<FileContent> schedule_program_files(const ExportContent& content) {
   const std::string name = schedule_program_name(content);
   require_schedule_options(content.flight_code);
   if (schedule.solved_count() == 0)
-    throw InvalidInput("schedule", "has no gain at any of its points, expected at least one");
+    throw InvalidInput("schedule",
+                       "has no gain at any of its points; expected a gain at one point or more");
   const bool double_precision = content.flight_code.double_precision;
   const SourceChoices choices = schedule_choices(schedule, content, name);
   const auto source = [&](const char* from) { return program_source(source_text(from), choices); };

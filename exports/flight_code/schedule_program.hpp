@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A gain schedule as a program in C: its files, and what they compute, by the library's templates.
+/// A gain schedule as a C program: its files, and the results that the library's templates give.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,14 +12,15 @@
 
 namespace quadtune::exports {
 
-/// The file of the points that `replay` looks up, and the end of the name of that of the numbers.
+/// The file of the points that `replay` evaluates, and the suffix of the file with the numbers.
 inline constexpr char kRecordedPoints[] = "points.txt";
 inline constexpr char kTableEnd[] = "_table.c";
 
 /// qt_status_t of source/schedule/program.h.
 enum class ScheduleStatus { found, nearest, no_gain, not_finite };
 
-/// A schedule in the precision T of a program. It computes what the exported C does, bit by bit.
+/// A schedule in the precision T of a program. Its results equal those of the exported C, bit by
+/// bit.
 template <class T>
 class ScheduleProgram {
  public:
@@ -44,13 +45,13 @@ class ScheduleProgram {
     u0.setZero(nu);
   }
 
-  // What was looked up last; 0 before.
+  // Results of the last lookup; initially 0.
   Matrix K, K_int;
   Vector x0, u0;
 
-  /// Looks K, K_int, x0 and u0 up. Beyond the grid its nearest edge counts. Where there is nothing,
-  /// what was looked up before stays.
-  /// @param values  one for each axis, in their order
+  /// Interpolates K, K_int, x0 and u0. Beyond the grid, its nearest edge is used. If there is no
+  /// gain, the results of the previous lookup are kept.
+  /// @param values  one per axis, in the order of the axes
   ScheduleStatus look_up(const Vector& values) {
     bool within = true;
     std::vector<internal::GridPlace<T>> places;
@@ -82,7 +83,7 @@ class ScheduleProgram {
     return within ? ScheduleStatus::found : ScheduleStatus::nearest;
   }
 
-  /// u = u0 + K (sp - x) + K_int x_int, or with x - sp where the gains act on that.
+  /// u = u0 + K (sp - x) + K_int x_int, or with x - sp, according to the sign law.
   [[nodiscard]] Vector inputs(const Vector& sp, const Vector& x, const Vector& x_int) const {
     Vector u = u0;
     for (Eigen::Index i = 0; i < u.size(); ++i) {
@@ -98,19 +99,19 @@ class ScheduleProgram {
   std::vector<std::vector<T>> axes_;
   std::vector<PointStatus> status_;
   SignLaw sign_law_;
-  Matrix table_K_, table_K_int_, table_x0_, table_u0_;  ///< a column for each point
+  Matrix table_K_, table_K_int_, table_x0_, table_u0_;  ///< one column per point
 };
 
-/// The name of a content's program: that which was asked for, or the vehicle's and "_schedule".
-/// @throws InvalidInput  for a name that is no identifier
+/// The name of a content's program: the requested one, or the vehicle's with "_schedule".
+/// @throws InvalidInput  if the name is not an identifier
 [[nodiscard]] std::string schedule_program_name(const ExportContent& content);
 
-/// As flight_code_files(), of content with a schedule.
+/// As flight_code_files(), for content with a schedule.
 [[nodiscard]] std::vector<FileContent> schedule_program_files(const ExportContent& content);
 
-/// What the program `replay` of such an export must give: points of the grid, points within and
-/// beyond it, and numbers that are not finite.
-/// @param count  of points that are drawn
+/// The expected output of the program `replay` of such an export: points of the grid, points within
+/// and beyond it, and numbers that are not finite.
+/// @param count  number of random points
 [[nodiscard]] std::string recorded_points(const GainSchedule& schedule, bool double_precision,
                                           int count);
 

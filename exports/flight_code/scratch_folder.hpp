@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A temporary folder for a program that is compiled.
+/// A temporary folder in which a program is compiled.
 #pragma once
 
 #include <cstdlib>
@@ -11,16 +11,17 @@
 
 namespace quadtune::exports {
 
-/// A folder that goes away with the object.
+/// A temporary folder that is deleted with the object.
 class ScratchFolder {
  public:
   ScratchFolder() {
     std::error_code error;
     const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
-    if (error) throw FileError("TMPDIR", "names no directory, expected one for temporary files");
+    if (error)
+      throw FileError("TMPDIR", "is not a directory; set it to a directory for temporary files");
     std::string pattern = (temporary / "quadtune-c-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw FileError(pattern, "no temporary directory can be made here");
+      throw FileError(pattern, "cannot create a temporary directory");
     path_ = pattern;
   }
   ~ScratchFolder() {

@@ -28,17 +28,17 @@ std::string upper_case(std::string name) {
   return name;
 }
 
-/// A condition that is open while lines are read.
+/// A preprocessor condition that is open while lines are read.
 struct Open {
-  bool resolved = false;  ///< of a feature: its own lines are not written
-  bool taken = true;      ///< whether the lines within are
+  bool resolved = false;  ///< condition on a feature: its directives are not written
+  bool taken = true;      ///< whether the lines within are written
 };
 
 std::string without_doubled_blank_lines(const std::string& text) {
   return std::regex_replace(text, std::regex("\n{3,}"), "\n\n");
 }
 
-/// `float` is the default: numbers carry an f.
+/// Converts a source to double precision; the default is `float`, with numbers that end in f.
 std::string in_double(const std::string& text) {
   static const std::regex number(R"(\b(\d+\.\d*(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+)f\b)");
   std::string result = std::regex_replace(text, number, "$1");
@@ -97,7 +97,7 @@ std::string program_source(const std::string& text, const SourceChoices& choices
                                 fmt::format("$01{}", value));
   result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT @PERIOD@");
   if (choices.double_precision) result = in_double(result);
-  // The program's own names come last: they may look like those of the sources.
+  // The program's own names are replaced last, because they may look like those of the sources.
   result = std::regex_replace(result,
                               std::regex("\"(state|internal|maths|arithmetic|table|kalman)\\.h\""),
                               "\"@NAME@_$1.h\"");

@@ -6,8 +6,8 @@
 
 namespace quadtune::exports {
 
-// source/state.h has these sizes as numbers.
-static_assert(QT_HISTORY == kMostHistoryPeriods && QT_HORIZON == kMostHorizonPeriods);
+// source/state.h repeats these sizes as literals.
+static_assert(QT_HISTORY == kMaxHistoryPeriods && QT_HORIZON == kMaxHorizonPeriods);
 static_assert(QT_ERRORS == kErrorStates);
 
 namespace {

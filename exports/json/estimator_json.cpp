@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of the general filter with their units in the keys.
+// The general filter's numbers as JSON, with units in the keys.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kNames = {"general", "mambo", "uquad"};
 
-/// Writes the fields that it is shown.
+/// Archive that writes the fields passed to it.
 class Writing {
  public:
   Writing(Json& json, std::string where) : json_(json), where_(std::move(where)) {}
@@ -25,7 +25,7 @@ class Writing {
   void number(const char* key, double value) {
     json_[key] = internal::number_to_json(value, where_ + "." + key);
   }
-  /// Left out where it is not finite, which then is its value.
+  /// Omits a value that is not finite; the reader assumes this value if the key is missing.
   void number_unless(double /*if_absent*/, const char* key, double value) {
     if (std::isfinite(value)) number(key, value);
   }
@@ -50,7 +50,7 @@ class Writing {
   std::string where_;
 };
 
-/// Reads the same fields back.
+/// Archive that reads the same fields.
 class Reading {
  public:
   Reading(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
@@ -86,8 +86,8 @@ class Reading {
   std::string where_;
 };
 
-/// Shows every number of the filter to `archive`, which writes or reads it. The control period and
-/// the start are those of the flight.
+/// Passes every number of the filter to `archive`, which writes or reads it. The control period and
+/// the start belong to the flight.
 template <class Archive, class Settings>
 void each_field(Archive& archive, Settings& settings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -112,7 +112,7 @@ void each_field(Archive& archive, Settings& settings) {
     a.number("variance_rad2_per_s2", flow.variance);
     a.vector("scale", flow.scale);
     a.vector("mean_square", flow.mean_square);
-    a.number("least_height_m", flow.least_height);
+    a.number("least_height_m", flow.min_height);
   });
   const auto aid_in = [](const char* variance) {
     return [variance](auto& a, auto& aid) {
@@ -123,9 +123,9 @@ void each_field(Archive& archive, Settings& settings) {
   };
   archive.part("range", settings.range, [&](auto& a, auto& range) {
     aid_in("variance_m2")(a, range.aid);
-    a.number("least_m", range.least);
-    a.number_unless(kInfinity, "greatest_m", range.greatest);
-    a.number("least_cosine_of_tilt", range.least_cosine);
+    a.number("least_m", range.min);
+    a.number_unless(kInfinity, "greatest_m", range.max);
+    a.number("least_cosine_of_tilt", range.min_cosine);
   });
   archive.part("pressure", settings.pressure, [&](auto& a, auto& pressure) {
     aid_in("variance_m2")(a, pressure.aid);
@@ -158,7 +158,7 @@ void each_field(Archive& archive, Settings& settings) {
   archive.number("jerk_m_per_s3", settings.jerk);
 }
 
-/// Of the uquad's filter what logs can tell.
+/// The uquad filter's numbers that can be estimated from logs.
 template <class Archive, class Settings>
 void each_covariance(Archive& archive, Settings& settings) {
   archive.number("dt_s", settings.dt);
@@ -196,7 +196,7 @@ StoredEstimator estimator_from_json(const Json& json, const std::string& where) 
         fmt::format("is '{}', expected one of {}{}", estimator.name, internal::joined(kNames, ", "),
                     internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
   Reading reading(json, where);
-  // All of its covariances, or none.
+  // Either all of its covariances or none.
   if (estimator.name == "uquad" && json.size() > 1) {
     estimator.uquad = uquad_filter_in_si<double>();
     each_covariance(reading, *estimator.uquad);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Kalman filter with its model and noise, as gains.json holds it.
+// A Kalman filter with its model and noise, as stored in gains.json.
 #include "filter_matrices.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/internal/json.hpp"

@@ -33,7 +33,7 @@ std::string sensor_text(const ImuCalibrationFile::Sensor& sensor, const char* na
   return text + '\n';
 }
 
-/// Takes numbers in their order.
+/// Consumes numbers in sequence.
 class Numbers {
  public:
   explicit Numbers(std::vector<double> values) : values_(std::move(values)) {}
@@ -49,10 +49,10 @@ class Numbers {
     sensor.b = vector();
     const double size = sensor.M.norm();
     if (!(std::abs((sensor.M / size).determinant()) > 1e-9))
-      throw InvalidInput(origin,
-                         fmt::format("the {}'s matrix has no inverse, expected one, because "
-                                     "an axis would be lost",
-                                     name));
+      throw InvalidInput(
+          origin, fmt::format("the {}'s matrix is singular; expected an invertible matrix, because "
+                              "an axis would be lost",
+                              name));
     return sensor;
   }
 
@@ -91,7 +91,7 @@ ImuCalibrationFile parse_imu_calibration(const std::string& text, const std::str
       last = line;
       if (values.size() > kAll)
         throw InvalidInput(where,
-                           fmt::format("has number {}, expected 36 or 45 in all", values.size()));
+                           fmt::format("has {} or more numbers; expected 36 or 45", values.size()));
     }
     start = end + 1;
   }
@@ -100,7 +100,7 @@ ImuCalibrationFile parse_imu_calibration(const std::string& text, const std::str
         fmt::format("{}:{}", origin, last),
         fmt::format(
             "ends after {} numbers, expected 36 (three sensors, matrix and bias each) or 45 "
-            "(with temperature), because the flight program takes them by their place",
+            "(with temperature), because the flight program reads them by position",
             values.size()));
   ImuCalibrationFile result;
   result.with_temperature = values.size() == kAll;

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using internal::Json;
 
-/// The filter's numbers are of its period, which is that of the law.
+/// The filter's numbers depend on its period, which must be that of the law.
 void require_one_period(const StoredLaws& laws, const std::string& origin) {
   if (!laws.estimator || !(laws.estimator->general || laws.estimator->uquad)) return;
   const double dt =
@@ -28,7 +28,7 @@ void require_one_period(const StoredLaws& laws, const std::string& origin) {
         fmt::format("is {} s, expected {} s, the sample period of the law", dt, of_law));
 }
 
-// gains.json, and what `lqr` and `pid` print as JSON: there "vehicle" is the name alone.
+// gains.json, and the JSON output of `lqr` and `pid`, in which "vehicle" is just the name.
 StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   StoredLaws laws;
   const int version = format_version(json);
@@ -38,7 +38,7 @@ StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   }
   if (json.contains("cascade"))
     laws.cascade = cascade_from_json(json["cascade"], origin + ": cascade", version);
-  // From version 2 on it is there, null for true states.
+  // Version 2 always has an estimator; null means true states.
   if (version >= 2) {
     const Json& estimator = internal::member(json, "estimator", origin);
     if (!estimator.is_null())
@@ -126,7 +126,7 @@ std::vector<FileContent> written_again(const fs::path& directory, const Manifest
   return {{kGainsJsonName, gains_json_text(content)}};
 }
 
-/// What no other entry of the manifest says: filters and estimator.
+/// What no other entry of the manifest contains: filters and estimator.
 std::vector<NamedMatrix> numbers(const FileContent& file) {
   if (fs::path(file.name).filename() != kGainsJsonName) return {};
   std::vector<NamedMatrix> all;

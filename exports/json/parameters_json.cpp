@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An autopilot's parameters as JSON: those that a file gave, by name.
+// An autopilot's parameters as JSON: the values of a parameter file, by name.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ StoredParameters parameters_from_json(const Json& json, const std::string& where
                                     [&](const ParameterFacts& one) { return one.name == name; });
     if (facts == known.end())
       throw InvalidInput(
-          place, fmt::format("is no parameter of the loops of {} {}, expected one",
+          place, fmt::format("is not a parameter of the control loops of {} {}",
                              to_string(parameters.firmware.kind), parameters.firmware.version));
     const double number = internal::number_from_json(values[name], place);
     if (const std::string why = why_no_value(*facts, number); !why.empty())

@@ -8,7 +8,7 @@
 namespace quadtune::exports {
 namespace {
 
-// Keys whose value the reader would take anyway are left out.
+// Omits keys whose value is the reader's default.
 class Table {
  public:
   explicit Table(std::string name) : name_(std::move(name)) {}
@@ -83,9 +83,9 @@ Json to_json(const BarometerSensor& barometer) {
 Json to_json(const SonarSensor& sonar) {
   Table table("sonar");
   table.add_faults(sonar.faults, "m", 1);
-  table.add("least_range_m", sonar.least_range);
-  if (std::isfinite(sonar.greatest_range)) table.add("greatest_range_m", sonar.greatest_range);
-  table.add("greatest_tilt_rad", sonar.greatest_tilt);
+  table.add("least_range_m", sonar.min_range);
+  if (std::isfinite(sonar.max_range)) table.add("greatest_range_m", sonar.max_range);
+  table.add("greatest_tilt_rad", sonar.max_tilt);
   return table.json();
 }
 
@@ -94,8 +94,8 @@ Json to_json(const FlowSensor& flow) {
   table.add_faults(flow.faults, "rad_per_s", 2);
   table.add("half_field_x_rad", flow.half_field_x);
   table.add("half_field_y_rad", flow.half_field_y);
-  table.add("least_height_m", flow.least_height);
-  if (std::isfinite(flow.greatest_height)) table.add("greatest_height_m", flow.greatest_height);
+  table.add("least_height_m", flow.min_height);
+  if (std::isfinite(flow.max_height)) table.add("greatest_height_m", flow.max_height);
   table.add_unless(0, "noise_per_height_rad_per_s_per_m", flow.noise_per_height);
   table.add("simplified_rate_gain", flow.simplified_rate_gain);
   return table.json();

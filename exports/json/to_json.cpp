@@ -21,12 +21,12 @@ using internal::vector_to_json;
 
 namespace {
 
-// A number that is not known is left out.
+// Omits an unknown number.
 void add_known(Json& json, const std::string& key, double number) {
   if (!std::isnan(number)) json[key] = number_to_json(number, key);
 }
 
-// A number that a file without the key would mean is left out.
+// Omits a number that is the default of a missing key.
 void add_unless(double if_absent, Json& json, const std::string& key, double number) {
   if (number != if_absent) json[key] = number_to_json(number, key);
 }
@@ -96,14 +96,14 @@ std::string law_text(const Gains& gains) {
   return gains.memory ? text + " - K_lag (m - u0) - K_past (u_past - u0)" : text;
 }
 
-/// @throws InvalidInput  for a name that stands for no word
+/// @throws InvalidInput  if the value is not a boolean
 bool truth_from_json(const Json& json, const std::string& where) {
   if (!json.is_boolean())
     throw InvalidInput(where, fmt::format("is {}, expected true or false", json.type_name()));
   return json.get<bool>();
 }
 
-/// What version 1 of the file has no place for.
+/// Adds the parts of a law that version 1 of the file cannot represent.
 void add_dynamic_parts(Json& json, const Gains& gains) {
   json["axes"] = to_string(gains.axes);
   Json limits = Json::object();
@@ -143,10 +143,10 @@ void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains
   read.lag = internal::vector_from_json(at("lag_s"), memory_at + ".lag_s");
   read.K_lag = internal::matrix_from_json(at("K_lag"), memory_at + ".K_lag");
   const double past = internal::number_from_json(at("past"), memory_at + ".past");
-  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
+  if (past != std::floor(past) || past < 0 || past > kMaxPastCommands)
     throw InvalidInput(memory_at + ".past", fmt::format("is {}, expected a whole number from 0 to "
                                                         "{}",
-                                                        past, kMostPastCommands));
+                                                        past, kMaxPastCommands));
   read.past = static_cast<int>(past);
   read.K_past = internal::matrix_from_json(at("K_past"), memory_at + ".K_past");
   if (read.past == 0 && read.K_past.size() == 0) read.K_past.resize(gains.K.rows(), 0);
@@ -221,10 +221,10 @@ Gains gains_from_json(const Json& json, const std::string& where, int version) {
     for (const char* key : {"axes", "limits", "memory"})
       if (json.contains(key))
         throw InvalidInput(path(key),
-                           "is there, expected version 2 of the file, because version 1 "
-                           "has no such part");
+                           "requires version 2 of the file, because version 1 "
+                           "cannot represent it");
   }
-  // Derived from the rest, for who reads the file: it must not say something else.
+  // Derived from other members, for human readers: it must not contradict them.
   if (json.contains("law") && text("law") != law_text(gains))
     throw InvalidInput(path("law"),
                        fmt::format("is '{}', expected '{}' because sign_law is {}", text("law"),
@@ -244,7 +244,7 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(const Json& json,
   if (!json.contains("weights")) return weights;
   const Json& table = json["weights"];
   const std::string where = origin + ": weights";
-  if (!table.is_object()) throw InvalidInput(where, "is no object, expected Q and R");
+  if (!table.is_object()) throw InvalidInput(where, "is not an object; expected Q and R");
   if (table.contains("Q")) weights.first = internal::matrix_from_json(table["Q"], where + ".Q");
   if (table.contains("R")) weights.second = internal::matrix_from_json(table["R"], where + ".R");
   return weights;
@@ -356,7 +356,7 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where, int 
     const CascadeAxis axis = cascade_axis(
         internal::string_from_json(member(loops[i], "name", here), here + ".name"), here + ".name");
     if (std::exchange(came[index_of(axis)], true))
-      throw InvalidInput(here + ".name", "names a loop twice, expected each once");
+      throw InvalidInput(here + ".name", "repeats a loop; expected each loop once");
     PidLoop& loop = cascade.gains.loops[index_of(axis)];
     for (const auto& [key, gain] : {std::pair("Kp", &PidLoop::Kp), std::pair("Ki", &PidLoop::Ki),
                                     std::pair("Kd", &PidLoop::Kd)})
@@ -376,7 +376,8 @@ Json parsed(const std::string& text, const std::string& origin) {
     return Json::parse(text);
   } catch (const internal::JsonError& error) {
     if (error.out_of_range())  // 1e999
-      throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
+      throw InvalidInput(origin,
+                         std::string("has a number that overflows a double: ") + error.what());
     if (error.byte() == 0) throw InvalidInput(origin, error.what());
     const auto end =
         text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte(), text.size()));

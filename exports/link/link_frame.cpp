@@ -12,15 +12,15 @@
 namespace quadtune {
 namespace {
 
-// Of the native firmware: type and buffer of frames with and without acknowledgement, and what is
-// before the id.
+// Native firmware: type and buffer of frames with and without acknowledgement, and the bytes before
+// the id.
 constexpr std::uint8_t kAcknowledgement = 0x01;
 constexpr std::array<std::uint8_t, 2> kAnswered = {0x04, 0x0b};
 constexpr std::array<std::uint8_t, 2> kUnanswered = {0x02, 0x0a};
 constexpr std::size_t kHeader = 7;
 constexpr std::size_t kId = 4;
 
-/// The first is the lowest byte.
+/// Least significant byte first.
 LinkFrame little_endian(std::int64_t value, std::size_t bytes) {
   LinkFrame frame;
   for (std::size_t i = 0; i < bytes; ++i)
@@ -60,7 +60,8 @@ std::int64_t integer_of(const LinkArgument& argument, double value) {
   return std::llround(value * argument.per_unit) + argument.offset;
 }
 
-/// Divided once, so that 10050 is read as 0.05 rad and not as 0.05000000000000071.
+/// Computed with a single division, so that 10050 is read as 0.05 rad and not as
+/// 0.05000000000000071.
 double value_of(const LinkArgument& argument, std::int64_t integer) {
   return static_cast<double>(integer - argument.offset) / argument.per_unit;
 }
@@ -94,8 +95,8 @@ void require_byte(std::span<const std::uint8_t> frame, std::size_t at, std::uint
 void decode_header(std::span<const std::uint8_t> frame, LinkCommand& command) {
   if (frame[0] != kAnswered[0] && frame[0] != kUnanswered[0])
     refuse_frame(
-        fmt::format("byte 1 is {:02x}, expected 04 or 02, because the type of a command says "
-                    "whether it asks for an acknowledgement",
+        fmt::format("byte 1 is {:02x}, expected 04 or 02, because the type states "
+                    "whether an acknowledgement is requested",
                     frame[0]));
   command.acknowledged = frame[0] == kAnswered[0];
   require_byte(frame, 1, command.acknowledged ? kAnswered[1] : kUnanswered[1],
@@ -103,8 +104,9 @@ void decode_header(std::span<const std::uint8_t> frame, LinkCommand& command) {
   command.sequence = frame[2];
   const std::uint64_t length = natural(frame.subspan(3, 4));
   if (length != frame.size())
-    refuse_frame(fmt::format("its header says {} bytes, expected {}, because so many came", length,
-                             frame.size()));
+    refuse_frame(
+        fmt::format("the header states a length of {} bytes; expected {}, the length of the frame",
+                    length, frame.size()));
 }
 
 const LinkEntry& entry_of_id(LinkFirmware firmware, std::span<const std::uint8_t> id) {
@@ -114,7 +116,7 @@ const LinkEntry& entry_of_id(LinkFirmware firmware, std::span<const std::uint8_t
   for (const LinkEntry& entry : link_entries(firmware))
     known += fmt::format("{}{} ({})", known.empty() ? "" : ", ",
                          link_hex(little_endian(entry.id, kId)), entry.name);
-  refuse_frame(fmt::format("the id {} is no command of the firmware {}, expected one of {}",
+  refuse_frame(fmt::format("the id {} is not a command of the firmware {}; expected one of {}",
                            link_hex(id), to_string(firmware), known));
 }
 
@@ -138,7 +140,7 @@ std::vector<LinkField> link_fields(const LinkCommand& command) {
          {type},
          static_cast<double>(type),
          "",
-         command.acknowledged ? "asks for an acknowledgement" : "asks for no acknowledgement"});
+         command.acknowledged ? "requests an acknowledgement" : "requests no acknowledgement"});
     fields.push_back({"buffer", {buffer}, static_cast<double>(buffer), "", ""});
     fields.push_back(
         {"sequence", {command.sequence}, static_cast<double>(command.sequence), "", ""});
@@ -167,24 +169,25 @@ LinkCommand decode_link_frame(LinkFirmware firmware, std::span<const std::uint8_
   const bool native = firmware == LinkFirmware::native;
   const std::size_t begin = native ? kHeader : 0;
   if (frame.size() < begin + kId)
-    refuse_frame(
-        fmt::format("{} bytes came, expected at least {}, because {}", frame.size(), begin + kId,
-                    native ? "a header of 7 and an id of 4 come first" : "an id of 4 comes first"));
+    refuse_frame(fmt::format("has {} bytes; expected at least {}, because {}", frame.size(),
+                             begin + kId,
+                             native ? "it starts with a header of 7 and an id of 4 bytes"
+                                    : "it starts with an id of 4 bytes"));
   LinkCommand command{firmware, {}, {}};
   if (native) decode_header(frame, command);
   const LinkEntry& entry = entry_of_id(firmware, frame.subspan(begin, kId));
   command.name = entry.name;
   if (const std::size_t length = length_of(firmware, entry); frame.size() != length)
-    refuse_frame(fmt::format("{} bytes came, expected {}, because that is the length of {}",
-                             frame.size(), length, entry.name));
+    refuse_frame(fmt::format("has {} bytes; expected {}, the length of {}", frame.size(), length,
+                             entry.name));
   std::size_t at = begin + kId;
-  for (const std::uint8_t byte : entry.before) require_byte(frame, at++, byte, "always so");
+  for (const std::uint8_t byte : entry.before) require_byte(frame, at++, byte, "constant");
   for (const LinkArgument& argument : entry.arguments) {
     command.values.push_back(value_of(argument, whole(frame.subspan(at, argument.bytes))));
     require_limits(argument, command.values.back(), fmt::format("frame: {}", entry.name));
     at += argument.bytes;
   }
-  for (const std::uint8_t byte : entry.after) require_byte(frame, at++, byte, "always so");
+  for (const std::uint8_t byte : entry.after) require_byte(frame, at++, byte, "constant");
   return command;
 }
 

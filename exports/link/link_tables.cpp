@@ -14,7 +14,7 @@ namespace {
 
 // --- table 5.1: 32-bit integers [id, arguments...] ---
 
-/// The vehicle subtracts 10 rad, so that what is sent is positive.
+/// The vehicle subtracts 10 rad, so that the transmitted value is positive.
 LinkArgument angle(const std::string& name, double limit, const std::string& why) {
   return {name, "rad", -limit, limit, why, 4, 1000, 10'000};
 }
@@ -24,7 +24,7 @@ LinkArgument distance(const std::string& name) {
 }
 
 std::vector<LinkEntry> simulink_entries() {
-  // A right angle and a half turn, rounded to the step of the frame.
+  // A right angle and a half turn, rounded to the resolution of the frame.
   constexpr double kRightAngle = 1.571, kHalfTurn = 3.142;
   const std::string tilt = "beyond a right angle the rotors push towards the ground";
   return {{"takeoff",
@@ -44,7 +44,7 @@ std::vector<LinkEntry> simulink_entries() {
            {{"z", "m", -10, 0, "z points down, so the ground is 0 and above it z is negative", 4,
              100}}},
           {"position", "sets the reference of x and y", 15, {distance("x"), distance("y")}},
-          {"read", "asks for the sensors", 10},
+          {"read", "requests sensor data", 10},
           {"snapshot", "takes a picture with the camera below", 16, {}, false, false},
           {"abort", "stops the motors and signals an emergency", 3, {}, true}};
 }
@@ -55,7 +55,7 @@ LinkArgument share(const std::string& name) {
   return {name, "%", -100, 100, "it is a share of the largest value", 1};
 }
 
-/// Project 2 of the manufacturer's commands, with a class and a command of 16 bits.
+/// An id in project 2 of the manufacturer's protocol, with a class and a 16-bit command number.
 constexpr std::uint32_t native_id(std::uint32_t group, std::uint32_t command) {
   return 2U | group << 8U | command << 16U;
 }
@@ -63,9 +63,9 @@ constexpr std::uint32_t native_id(std::uint32_t group, std::uint32_t command) {
 std::vector<LinkEntry> native_entries() {
   return {{"takeoff", "takes off", native_id(0, 1)},
           {"land", "lands", native_id(0, 3), {}, true},
-          // The table prints one zero at the end; the length of the frame, 20, has room for four.
+          // The table prints one zero at the end, but the frame length of 20 has room for four.
           {"move",
-           "tilts, turns and climbs at shares of the largest values",
+           "tilts, turns and climbs by percentages of the maximum values",
            native_id(0, 2),
            {share("roll"), share("pitch"), share("rotation"), share("climb")},
            false,
@@ -123,9 +123,8 @@ const LinkEntry& link_entry(LinkFirmware firmware, const std::string& name) {
   if (found != entries.end()) return *found;
   std::vector<std::string> names;
   for (const LinkEntry& entry : entries) names.push_back(entry.name);
-  const std::string what = name.empty()
-                               ? "no name of a command"
-                               : fmt::format("'{}' is no command", internal::printable(name));
+  const std::string what =
+      name.empty() ? "is empty" : fmt::format("'{}' is not a command", internal::printable(name));
   throw InvalidInput(
       "command", fmt::format("{}, expected for the firmware {}: {}{}", what, to_string(firmware),
                              internal::joined(names, ", "), internal::did_you_mean(name, names)));

@@ -15,7 +15,7 @@
 namespace quadtune {
 namespace {
 
-/// "1: z [m]", "4: roll [%], ...".
+/// For example "1: z [m]" or "4: roll [%], ...".
 std::string expected_values(const LinkEntry& entry) {
   if (entry.arguments.empty()) return "none";
   std::vector<std::string> names;
@@ -55,7 +55,7 @@ LinkCommand link_command(LinkFirmware firmware, const std::string& name,
   LinkCommand command{firmware, name, {}};
   for (std::size_t i = 0; i < words.size(); ++i)
     command.values.push_back(value_of_word(entry, entry.arguments[i], words[i]));
-  (void)link_fields(command);  // refuses values beyond their limits
+  (void)link_fields(command);  // rejects values beyond their limits
   return command;
 }
 
@@ -75,17 +75,17 @@ LinkFrame link_bytes(const std::string& text) {
         digits.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
     if (digits.empty() || digits.size() % 2 != 0 || !hexadecimal)
       throw InvalidInput(
-          "frame", fmt::format("'{}' came, expected bytes as pairs of hexadecimal digits, e.g. "
-                               "04 0b 09",
-                               internal::printable(word)));
+          "frame",
+          fmt::format("'{}' is not a list of bytes; expected pairs of hexadecimal digits, e.g. "
+                      "04 0b 09",
+                      internal::printable(word)));
     for (std::size_t i = 0; i < digits.size(); i += 2) {
       std::uint8_t byte = 0;
       std::from_chars(digits.data() + i, digits.data() + i + 2, byte, 16);
       bytes.push_back(byte);
     }
   }
-  if (bytes.empty())
-    throw InvalidInput("frame", "no bytes came, expected those of a frame, e.g. 02 00 00 00");
+  if (bytes.empty()) throw InvalidInput("frame", "is empty; expected its bytes, e.g. 02 00 00 00");
   return bytes;
 }
 

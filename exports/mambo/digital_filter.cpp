@@ -25,7 +25,7 @@ void require(const char* design, int order, double cutoff) {
                                            cutoff));
 }
 
-// Coefficients of prod(1 - r z⁻¹); the roots come in conjugate pairs.
+// Coefficients of prod(1 - r z⁻¹); the roots are in conjugate pairs.
 Eigen::VectorXd polynomial(const std::vector<Complex>& roots) {
   std::vector<Complex> c = {1};
   for (const Complex& root : roots) {
@@ -37,9 +37,8 @@ Eigen::VectorXd polynomial(const std::vector<Complex>& roots) {
   return real;
 }
 
-// Zeros and poles of the analogue low pass with edge 1 rad/s become those of the digital one by
-// s = (z - 1) / (z + 1), with the edge moved to tan(pi cutoff / 2); zeros at infinity become z =
-// -1.
+// Maps zeros and poles of the analogue low pass with edge 1 rad/s to those of the digital one by s
+// = (z - 1) / (z + 1), with the edge at tan(pi cutoff / 2); zeros at infinity become z = -1.
 DigitalFilter digital(const std::vector<Complex>& zeros, const std::vector<Complex>& poles,
                       double cutoff) {
   const double edge = std::tan(pi * cutoff / 2);
@@ -78,7 +77,7 @@ DigitalFilter chebyshev2(int order, double attenuation, double edge) {
   if (!(attenuation > 0 && attenuation < 300))
     throw InvalidInput("chebyshev2",
                        fmt::format("attenuation is {} dB, expected 0 to 300", attenuation));
-  // Poles are the inverses of those of the first kind, zeros lie on the imaginary axis.
+  // The poles are the inverses of those of the first kind; the zeros are on the imaginary axis.
   const double mu = std::asinh(std::sqrt(std::pow(10, attenuation / 10) - 1)) / order;
   std::vector<Complex> zeros;
   std::vector<Complex> poles;

@@ -15,7 +15,7 @@
 
 namespace quadtune::exports {
 
-/// Whether a word can name a variable: a letter, then letters, digits and underscores.
+/// Whether a word is a valid variable name: a letter, then letters, digits and underscores.
 [[nodiscard]] inline bool is_m_name(std::string_view word) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   return !word.empty() && letter(word[0]) && std::all_of(word.begin(), word.end(), [&](char c) {
@@ -23,21 +23,22 @@ namespace quadtune::exports {
   });
 }
 
-/// Lines of a parameter file. Numbers read back to the same double; others are refused.
+/// Builds a parameter file. Numbers read back to the same double; numbers that are not finite are
+/// rejected.
 class MFile {
  public:
-  /// "% text"
+  /// Writes "% text".
   void comment(const std::string& text) {
     text_ += text.empty() ? "\n" : "% " + one_line(text) + "\n";
   }
 
-  /// "name = 0.063;  % kg"
+  /// Writes "name = 0.063;  % kg".
   void number(const std::string& name, double value, const std::string& unit = "") {
     require_finite(Eigen::Matrix<double, 1, 1>(value), "mambo", name);
     expression(name, fmt::format("{}", value), unit);
   }
 
-  /// Rows on lines of their own, entries separated by commas.
+  /// Writes rows on separate lines, with entries separated by commas.
   void matrix(const std::string& name, const Eigen::MatrixXd& M, const std::string& about = "") {
     require_finite(M, "mambo", name);
     if (M.size() == 0) return expression(name, fmt::format("zeros({}, {})", M.rows(), M.cols()));
@@ -50,7 +51,7 @@ class MFile {
     expression(name, value + (M.rows() > 1 ? "\n]" : "]"), about);
   }
 
-  /// Names as a cell array of strings.
+  /// Writes names as a cell array of strings.
   void words(const std::string& name, const std::vector<Signal>& signals) {
     std::string value;
     for (const Signal& signal : signals)
@@ -58,7 +59,7 @@ class MFile {
     expression(name, "{" + value + "}");
   }
 
-  /// "name = value;  % about", where value is anything that Octave computes.
+  /// Writes "name = value;  % about", where value is any Octave expression.
   void expression(const std::string& name, const std::string& value,
                   const std::string& about = "") {
     text_ +=

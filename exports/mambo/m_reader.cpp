@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads back the parameter files that mambo.cpp writes.
+// Reads the parameter files that mambo.cpp writes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<Line> lines_of(const std::string& text) {
     std::string line = text.substr(start, end - start);
     start = end + 1;
     ++number;
-    // Octave, not MATLAB, also takes '#'; a quoted '%' is no comment, but we never write one.
+    // Octave, unlike MATLAB, also accepts '#'. A quoted '%' is not a comment, but is never written.
     line.erase(std::min(line.find_first_of("%#"), line.size()));
     line.erase(line.find_last_not_of(" \t\r") + 1);
     line.erase(0, line.find_first_not_of(" \t"));
@@ -46,7 +46,7 @@ std::optional<double> number_in(std::string word) {
   return number;
 }
 
-// A row of numbers separated by commas. Empty when it is not one: an expression.
+// Parses a row of numbers separated by commas; empty if it is not one, that is an expression.
 std::vector<double> row_in(const std::string& text) {
   std::vector<double> row;
   for (std::size_t start = 0; start <= text.size();) {
@@ -59,7 +59,7 @@ std::vector<double> row_in(const std::string& text) {
   return row;
 }
 
-// The rows of a matrix that was opened on lines[at], which is left on the closing line.
+// Parses the rows of a matrix that starts on lines[at]; `at` then refers to the closing line.
 Eigen::MatrixXd rows_in(const std::vector<Line>& lines, std::size_t& at,
                         const std::string& origin) {
   std::vector<std::vector<double>> rows;
@@ -67,9 +67,10 @@ Eigen::MatrixXd rows_in(const std::vector<Line>& lines, std::size_t& at,
     const std::string where = fmt::format("{}:{}", origin, lines[at].number);
     rows.push_back(row_in(lines[at].text));
     if (rows.back().empty())
-      throw InvalidInput(where, fmt::format("'{}' is no row of numbers, expected them separated "
-                                            "by commas",
-                                            lines[at].text));
+      throw InvalidInput(where,
+                         fmt::format("'{}' is not a row of numbers; expected numbers separated "
+                                     "by commas",
+                                     lines[at].text));
     if (rows.back().size() != rows.front().size())
       throw InvalidInput(where, fmt::format("has {} numbers, expected {} as in the rows before it",
                                             rows.back().size(), rows.front().size()));
@@ -113,7 +114,7 @@ bool is_dotted_name(std::string_view name) {
   }
 }
 
-// The words of "name = {'a', 'b'};" or "name = 'a';".
+// Parses the words of "name = {'a', 'b'};" or "name = 'a';".
 std::vector<std::string> words_of(const std::string& text, const std::string& name,
                                   const std::string& origin) {
   for (const Line& line : lines_of(text)) {
@@ -138,7 +139,8 @@ std::vector<Signal> signals_of(const std::vector<std::string>& words,
     const auto found = std::find_if(known.begin(), known.end(),
                                     [&](const Signal& signal) { return signal.name == word; });
     if (found == known.end())
-      throw InvalidInput(where, fmt::format("has '{}', expected names of {}", word, names(known)));
+      throw InvalidInput(where,
+                         fmt::format("has '{}'; expected names from {}", word, names(known)));
     signals.push_back({word, found->unit + unit_suffix});
   }
   return signals;
@@ -161,18 +163,17 @@ std::vector<NamedMatrix> parse_m_file(const std::string& text, const std::string
     const std::size_t equals = lines[at].text.find(" = ");
     const std::string name = lines[at].text.substr(0, std::min(equals, lines[at].text.size()));
     if (equals == std::string::npos || !is_dotted_name(name))
-      throw InvalidInput(where, fmt::format("'{}' came, expected 'Name = value;', because only "
+      throw InvalidInput(where, fmt::format("has '{}'; expected 'Name = value;', because only "
                                             "that can be checked",
                                             lines[at].text));
     std::string value = lines[at].text.substr(equals + 3);
-    if (!seen.insert(name).second) throw InvalidInput(where, name + " is given twice");
+    if (!seen.insert(name).second) throw InvalidInput(where, name + " is defined twice");
     Eigen::MatrixXd M;
     if (value == "[") {
       M = rows_in(lines, at, origin);
     } else if (value.empty() || value.back() != ';' ||
                std::count(value.begin(), value.end(), ';') != 1) {
-      throw InvalidInput(where,
-                         fmt::format("'{}' came, expected one value and a semicolon", value));
+      throw InvalidInput(where, fmt::format("has '{}'; expected one value and a semicolon", value));
     } else {
       value.pop_back();
       M = scalar_or_row(value);
@@ -203,9 +204,10 @@ std::optional<CascadeDesign> parse_cascade_vars(const std::string& text,
   const auto required = [&](const std::string& name) {
     const std::optional<double> value = scalar(name);
     if (!value)
-      throw InvalidInput(origin, fmt::format("has no number {}{}, expected one because the other "
-                                             "loops are there",
-                                             prefix, name));
+      throw InvalidInput(origin,
+                         fmt::format("lacks the number {}{}; it is required because the other "
+                                     "loops are defined",
+                                     prefix, name));
     return *value;
   };
   const std::optional<double> dt = scalar("Ts");
@@ -221,7 +223,7 @@ std::optional<CascadeDesign> parse_cascade_vars(const std::string& text,
     loop.Kd = required(loop.name + ".Kd");
     cascade.gains.loops.push_back(std::move(loop));
   }
-  // A limit that there is not is written as [], which is no number.
+  // A missing limit is written as [], which is not a number.
   cascade.attitude_limit = scalar("attitudeLimit").value_or(cascade.attitude_limit);
   cascade.integrator_limit = scalar("integratorLimit").value_or(cascade.integrator_limit);
   cascade.back_calculation = scalar("backCalculation").value_or(0);
@@ -247,7 +249,7 @@ Gains parse_controller_vars(const std::string& text, const std::string& origin) 
   const auto get = [&](const char* name) {
     const Eigen::MatrixXd* found = find(numbers, prefix + name);
     if (found == nullptr)
-      throw InvalidInput(origin, fmt::format("has no numbers for {}{}, expected a matrix of plain "
+      throw InvalidInput(origin, fmt::format("has no numbers for {}{}; expected a matrix of plain "
                                              "numbers",
                                              prefix, name));
     return *found;

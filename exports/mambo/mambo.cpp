@@ -25,11 +25,11 @@ constexpr double kFlowCorrection = 1.15;    // factor on the optical flow
 bool near(double a, double b, double scale) { return std::abs(a - b) <= 1e-9 * std::abs(scale); }
 
 [[noreturn]] void refuse(const std::string& came, const std::string& expected) {
-  throw InvalidInput("mambo", came + ", expected " + expected +
-                                  ", because the model project's mixer is made for that");
+  throw InvalidInput(
+      "mambo", came + ", expected " + expected + ", because the model project's mixer assumes it");
 }
 
-// The model project computes thrust and torque from Ct and Cq, and mixes a symmetric X.
+// The model project computes thrust and torque from Ct and Cq, and its mixer assumes a symmetric X.
 void require_mambo_layout(const Vehicle& vehicle) {
   if (vehicle.rotors.size() != 4)
     refuse(fmt::format("the vehicle has {} rotors", vehicle.rotors.size()), "4");
@@ -59,11 +59,11 @@ void require_mambo_layout(const Vehicle& vehicle) {
       refuse(name + " differs from rotor 1", "four equal rotors");
   }
   if (vehicle.motor.law != CommandLaw::speed_squared)
-    refuse("the motors are commanded in speed", "commands that count the square of the speed");
+    refuse("the motors are commanded in speed", "commands proportional to the square of the speed");
 }
 
-// A number of the airframe that may be unknown: an empty matrix then, which no model accepts
-// unnoticed.
+// A number of the airframe that may be unknown; it is then written as an empty matrix, which no
+// model accepts silently.
 void add_if_known(MFile& m, const std::string& name, double value, const std::string& unit) {
   if (std::isnan(value))
     m.expression(name, "[]", "not known");
@@ -71,16 +71,17 @@ void add_if_known(MFile& m, const std::string& name, double value, const std::st
     m.number(name, value, unit);
 }
 
-// The model project's drag coefficient is referred to the disc of the airframe's diameter.
+// The model project's drag coefficient refers to the disc with the airframe's diameter.
 void add_drag(MFile& m, const Vehicle& vehicle) {
   const double disc = std::numbers::pi * vehicle.airframe_diameter * vehicle.airframe_diameter / 4;
   const char* names[] = {"Vehicle.Airframe.Cdx", "Vehicle.Airframe.Cdy"};
   for (int i = 0; i < 2; ++i) {
     const double cda = vehicle.drag.cda(i);
     if (cda != 0 && !(disc > 0))
-      throw InvalidInput("mambo", fmt::format("drag.cda is {} m^2 without an airframe diameter, "
-                                              "expected one, because {} is referred to its disc",
-                                              cda, names[i]));
+      throw InvalidInput("mambo",
+                         fmt::format("drag.cda is {} m^2, but the airframe diameter is unknown; "
+                                     "it is required because {} refers to its disc",
+                                     cda, names[i]));
     m.number(names[i], cda == 0 ? 0.0 : cda / disc, "of the disc pi*diameter^2/4");
   }
 }
@@ -165,13 +166,13 @@ void add_state_feedback(MFile& m, const Gains& gains) {
   if (gains.memory || gains.axes == PositionAxes::heading)
     throw InvalidInput("mambo",
                        fmt::format("the law {}, expected a matrix on the states in world axes, "
-                                   "which is all that controllerVars.m holds",
+                                   "which is all that controllerVars.m can represent",
                                    gains.memory ? "feeds back its past commands"
                                                 : "sees the position error in heading axes"));
   if (gains.limits != FeedbackLimits{})
     throw InvalidInput("mambo",
                        "the law limits its position error or its integrals, expected none, because "
-                       "controllerVars.m holds the matrices alone");
+                       "controllerVars.m contains only the matrices");
   const std::string prefix = "Controller.StateFeedback.";
   const bool plain = gains.sign_law == SignLaw::set_point_minus_state;
   const std::string error = plain ? "(x_sp - x)" : "(x - x_sp)";
@@ -200,7 +201,7 @@ const PidLoop* loop_named(const CascadeGains& cascade, const std::string& name) 
   return nullptr;
 }
 
-// The model project keeps the loops of pitch and roll as vectors [pitch roll].
+// The model project stores the loops of pitch and roll as vectors [pitch roll].
 void add_pair(MFile& m, const CascadeGains& cascade, const std::string& name,
               const std::string& pitch, const std::string& roll) {
   const PidLoop* first = loop_named(cascade, pitch);
@@ -218,9 +219,10 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
   m.number("Controller.Cascade.Ts", design.gains.dt, "s");
   for (const PidLoop& loop : design.gains.loops) {
     if (!exports::is_m_name(loop.name))
-      throw InvalidInput("mambo", fmt::format("loop '{}' came, expected a name of letters and "
-                                              "digits, because it becomes a variable",
-                                              loop.name));
+      throw InvalidInput("mambo",
+                         fmt::format("the loop is called '{}'; expected a name of letters and "
+                                     "digits, because it becomes a variable",
+                                     loop.name));
     const std::string prefix = "Controller.Cascade." + loop.name;
     m.number(prefix + ".Kp", loop.Kp, loop.unit + ", to " + loop.output);
     m.number(prefix + ".Ki", loop.Ki);
@@ -234,14 +236,14 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
     else
       m.number("Controller.Cascade." + name, value, unit);
   };
-  // The model project's own; files without it mean it, too.
+  // The default of the model project; files without it use it, too.
   if (design.method != PidMethod::forward_euler)
     m.expression("Controller.Cascade.integrator", "'" + to_string(design.method) + "'");
   limit("attitudeLimit", design.attitude_limit, "rad");
   limit("integratorLimit", design.integrator_limit, "");
   limit("backCalculation", design.back_calculation, "1/s");
   limit("takeoffTime", design.takeoff_time, "s");
-  // The model project has neither of these; a file without them means that the law has neither.
+  // The model project has neither of these; without them in the file, the law has neither.
   if (design.velocity_feed_forward)
     m.number("Controller.Cascade.velocityFeedForward", 1,
              "Kd acts on the velocity minus the reference velocity");
@@ -265,15 +267,16 @@ void add_filter(MFile& m, const KalmanFilter& filter) {
   if (filter.name == "altitude") prefix = "Estimator.alt.kf.";
   if (filter.name == "velocity") prefix = "Estimator.pos.kfVelo.";
   if (prefix.empty())
-    throw InvalidInput("mambo", fmt::format("filter '{}' came, expected 'altitude' or 'velocity', "
-                                            "because the estimator has these two",
-                                            filter.name));
+    throw InvalidInput(
+        "mambo", fmt::format("filter '{}' is not supported; expected 'altitude' or 'velocity', "
+                             "the filters of the estimator",
+                             filter.name));
   m.comment("");
   m.comment("x[k+1] = A*x + B*u + G*w, y = C*x + H*w + v; cov(w) = Q, cov(v) = R, cov(w,v) = N.");
   m.comment("States " + names(filter.model.states) + "; inputs " + names(filter.model.inputs) +
             "; measurements " + names(filter.model.outputs) + ".");
   if (!filter.noise_source.empty())
-    m.comment("Q and R were found in logs: " + filter.noise_source + ".");
+    m.comment("Q and R were estimated from logs: " + filter.noise_source + ".");
   m.number(prefix + "Ts", filter.model.dt, "s");
   m.matrix(prefix + "A", filter.model.A);
   m.matrix(prefix + "B", filter.model.B);

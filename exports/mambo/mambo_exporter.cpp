@@ -38,7 +38,7 @@ std::optional<StoredLaws> read_plain(const fs::path& path) {
   return laws_of_m_text(text, file.string());
 }
 
-/// Without estimatorVars.m: its filters are in no other file, and its comments name their signals.
+/// Without estimatorVars.m: no other file has its filters, and its comments name their signals.
 std::vector<FileContent> written_again(const fs::path& /*directory*/, const Manifest& manifest,
                                        const Vehicle& vehicle) {
   ExportContent content;
@@ -50,7 +50,7 @@ std::vector<FileContent> written_again(const fs::path& /*directory*/, const Mani
   return files;
 }
 
-/// The filters by the numbers of estimatorVars.m, which has no names of signals.
+/// The filters with the numbers of estimatorVars.m, which does not name signals.
 std::vector<KalmanFilter> filters_of(const fs::path& directory) {
   const fs::path path = directory / kEstimatorVars;
   const std::vector<NamedMatrix> all = parse_m_file(export_text(path), path.string());
@@ -70,7 +70,8 @@ std::vector<KalmanFilter> filters_of(const fs::path& directory) {
     KalmanFilter filter;
     filter.name = name;
     const Eigen::MatrixXd dt = matrix("Ts");
-    if (dt.size() != 1) throw InvalidInput(path.string(), std::string(prefix) + "Ts is no number");
+    if (dt.size() != 1)
+      throw InvalidInput(path.string(), std::string(prefix) + "Ts is not a number");
     filter.model.dt = dt(0, 0);
     each_matrix(filter, [&](const char* key, Eigen::MatrixXd& M) { M = matrix(key); });
     filters.push_back(std::move(filter));

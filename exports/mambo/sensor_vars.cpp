@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// sensorsVars.m: what the virtual sensors of the model project add to the truth.
+// sensorsVars.m: the errors that the virtual sensors of the model project add to the true values.
 #include "mambo/sensor_vars.hpp"
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// @param axes  of the sensor, 1 to 3: the others say nothing
+/// @param axes  number of axes of the sensor, 1 to 3
 void add_faults(MFile& m, const std::string& name, const SensorFaults& faults, int axes,
                 const std::string& unit) {
   const std::string prefix = "Sensors." + name + ".";
@@ -52,17 +52,17 @@ std::string sensor_vars(const Vehicle& vehicle) {
   }
   if (sensors.sonar) {
     add_faults(m, "sonar", sensors.sonar->faults, 1, "m");
-    m.number("Sensors.sonar.leastRange", sensors.sonar->least_range, "m");
-    if (std::isfinite(sensors.sonar->greatest_range))
-      m.number("Sensors.sonar.greatestRange", sensors.sonar->greatest_range, "m");
-    m.number("Sensors.sonar.greatestTilt", sensors.sonar->greatest_tilt, "rad");
+    m.number("Sensors.sonar.leastRange", sensors.sonar->min_range, "m");
+    if (std::isfinite(sensors.sonar->max_range))
+      m.number("Sensors.sonar.greatestRange", sensors.sonar->max_range, "m");
+    m.number("Sensors.sonar.greatestTilt", sensors.sonar->max_tilt, "rad");
   }
   if (sensors.flow) {
     add_faults(m, "flow", sensors.flow->faults, 2, "rad/s");
     m.matrix("Sensors.flow.halfField",
              Eigen::RowVector2d(sensors.flow->half_field_x, sensors.flow->half_field_y),
              "rad, half the field of view along x and y");
-    m.number("Sensors.flow.leastHeight", sensors.flow->least_height, "m");
+    m.number("Sensors.flow.leastHeight", sensors.flow->min_height, "m");
     m.number("Sensors.flow.rateGain", sensors.flow->simplified_rate_gain,
              "of the simplified model of the flow");
   }

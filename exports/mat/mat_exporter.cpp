@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gains.json as a MAT v5 file: each of its members is a variable.
+// gains.json as a MAT v5 file: each of its members becomes a variable.
 #include "built_in_exporters.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/exports/export.hpp"
@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr char kGainsMatName[] = "gains.mat";
 
-/// A variable must be a struct: texts and numbers of the file's head are fields of one.
+/// A variable must be a struct; the texts and numbers at the top level become fields of one.
 std::string mat_of(const std::string& gains_json) {
   const Json json = parse_json(gains_json, kGainsJsonName, kGainsFormat, kGainsVersion);
   std::string bytes = internal::mat_header("MATLAB 5.0 MAT-file, quadtune");
@@ -35,7 +35,7 @@ std::vector<FileContent> with_mat(std::vector<FileContent> files) {
 }  // namespace
 
 Exporter mat_exporter() {
-  // The laws are read from the gains.json beside it, which has the same numbers.
+  // The laws are read from the gains.json next to it, which has the same numbers.
   const Exporter json = json_exporter();
   Exporter exporter = json;
   exporter.target = export_target("mat", "exporter");

@@ -43,7 +43,7 @@ Json point_to_json(const GainSchedule& schedule, Eigen::Index index) {
 }
 
 std::vector<ScheduleAxis> axes_from_json(const Json& json, const std::string& where) {
-  if (!json.is_array()) throw InvalidInput(where, "is no array, expected the axes of the grid");
+  if (!json.is_array()) throw InvalidInput(where, "is not an array; expected the axes of the grid");
   std::vector<ScheduleAxis> axes;
   axes.reserve(json.size());
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -128,7 +128,7 @@ GainSchedule parse_schedule_json(const std::string& text, const std::string& ori
   GainSchedule schedule = start_schedule(head_from_json(json, origin), origin);
   const Json& points = member(json, "points", origin);
   if (!points.is_array())
-    throw InvalidInput(origin + ": points", "is no array, expected the points of the grid");
+    throw InvalidInput(origin + ": points", "is not an array; expected the points of the grid");
   require_all_points(points.size(), schedule, origin + ": points");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::string where = fmt::format("{}: points[{}]", origin, i);

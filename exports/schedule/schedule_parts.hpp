@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A gain schedule as its files hold it, and the checks that both formats share.
+/// A gain schedule as stored in its files, and the checks that both formats share.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace quadtune::exports {
 
 inline constexpr char kScheduleFormat[] = "quadtune-gain-schedule";
 
-/// What stands before the points.
+/// The part of a file before the points.
 struct ScheduleHead {
   std::string vehicle;
   std::string convention;
@@ -24,11 +24,11 @@ struct ScheduleHead {
   std::vector<ScheduleAxis> axes;
 };
 
-/// A schedule with this head and no points yet.
-/// @throws InvalidInput  for what no schedule has; `where` is the file.
+/// Creates a schedule with this head and no points.
+/// @throws InvalidInput  if the head is invalid; `where` is the file
 [[nodiscard]] GainSchedule start_schedule(ScheduleHead head, const std::string& where);
 
-/// One point as read; empty where the file has no such key.
+/// One point as read; members are empty if the file has no such key.
 struct SchedulePointText {
   Eigen::VectorXd at;
   PointStatus status = PointStatus::no_trim;
@@ -38,11 +38,11 @@ struct SchedulePointText {
   Eigen::VectorXd x0, u0;
 };
 
-/// @throws InvalidInput  "where: …" for a point that is not the grid's `index`-th, or other shapes.
+/// @throws InvalidInput  "where: …" if the point is not the grid's `index`-th, or a shape is wrong
 void put_point(const SchedulePointText& point, Eigen::Index index, const std::string& where,
                GainSchedule& schedule);
 
-/// @throws InvalidInput  unless as many points came as the grid has.
+/// @throws InvalidInput  unless the number of points read is that of the grid
 void require_all_points(std::size_t came, const GainSchedule& schedule, const std::string& where);
 
 [[nodiscard]] std::string schedule_toml(const GainSchedule& schedule);

@@ -28,8 +28,9 @@ void require_size(Eigen::Index came, std::size_t expected, const char* name, con
 
 GainSchedule start_schedule(ScheduleHead head, const std::string& where) {
   if (head.states.empty() || head.inputs.empty())
-    throw InvalidInput(where, fmt::format("has {} states and {} inputs, expected some of each",
-                                          head.states.size(), head.inputs.size()));
+    throw InvalidInput(where,
+                       fmt::format("has {} states and {} inputs, expected one or more of each",
+                                   head.states.size(), head.inputs.size()));
   (void)convention(head.convention, where);
   if (!(head.dt >= 0))
     throw InvalidInput(where, fmt::format("dt_s is {}, expected 0 or more", head.dt));
@@ -87,17 +88,18 @@ TableFormat table_format(const std::filesystem::path& file, const std::string& w
   const std::string end = file.extension().string();
   if (end == ".toml") return TableFormat::toml;
   if (end == ".json") return TableFormat::json;
-  throw InvalidInput(where, fmt::format("'{}' does not tell the format, expected a name that ends "
-                                        "in .toml or .json",
-                                        internal::printable(file.filename().string())));
+  throw InvalidInput(
+      where, fmt::format("cannot determine the format from '{}'; expected a file name that ends "
+                         "in .toml or .json",
+                         internal::printable(file.filename().string())));
 }
 
 std::string schedule_text(const GainSchedule& schedule, TableFormat format) {
   if (!is_built_in(convention(schedule.convention, "schedule")))
-    throw InvalidInput("schedule",
-                       fmt::format("uses the convention '{}', which comes from a file; expected a "
-                                   "built-in convention because a table cannot hold a definition",
-                                   schedule.convention));
+    throw InvalidInput(
+        "schedule", fmt::format("uses the convention '{}', which is defined in a file; expected a "
+                                "built-in convention because a table cannot hold a definition",
+                                schedule.convention));
   return format == TableFormat::toml ? exports::schedule_toml(schedule)
                                      : exports::schedule_json(schedule);
 }
@@ -109,9 +111,9 @@ GainSchedule parse_schedule(const std::string& text, const std::string& origin,
 }
 
 bool is_schedule(const std::filesystem::path& path) {
-  constexpr std::streamsize kHead = 4096;  // the format is the first key that is written
+  constexpr std::streamsize kHead = 4096;  // the format is the first key in the file
   std::error_code unknown;
-  if (!std::filesystem::is_regular_file(path, unknown)) return false;  // a pipe is read once
+  if (!std::filesystem::is_regular_file(path, unknown)) return false;  // a pipe is read only once
   std::string head(static_cast<std::size_t>(kHead), '\0');
   std::ifstream file(path, std::ios::binary);
   if (!file) return false;

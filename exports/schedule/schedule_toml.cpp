@@ -27,7 +27,7 @@ class TomlText {
     append(value);
     text_ += '\n';
   }
-  /// Eight numbers a line: readers have a limit on the line.
+  /// Writes eight numbers per line, because readers limit the length of a line.
   void list(const char* key, std::span<const double> values) {
     text_ += fmt::format("{} = [", key);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -58,14 +58,14 @@ class TomlText {
   [[nodiscard]] std::string take() { return std::move(text_); }
 
  private:
-  /// A whole number gets a point: TOML's integers know no -0.
+  /// Appends a number. Whole numbers get a point, because TOML's integers have no -0.
   void append(double value) {
     const std::size_t start = text_.size();
     text_ += fmt::format("{}", value);
     if (text_.find_first_not_of("-0123456789", start) == std::string::npos) text_ += ".0";
   }
 
-  /// A basic string. Control characters, which no reader takes, become '?'.
+  /// A basic string. Control characters, which readers reject, become '?'.
   static std::string quoted(const std::string& value) {
     std::string text = "\"";
     for (const char c : value) {

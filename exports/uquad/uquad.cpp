@@ -31,7 +31,7 @@ bool same_names(std::vector<std::string> a, std::vector<std::string> b) {
   return a == b;
 }
 
-// Which column of `signals` each name stands in.
+// The column of `signals` for each name.
 std::vector<int> columns(const std::vector<Signal>& signals,
                          const std::vector<std::string>& wanted) {
   std::vector<int> result;
@@ -44,7 +44,7 @@ std::vector<int> columns(const std::vector<Signal>& signals,
   return result;
 }
 
-std::string in_words(const UquadFileSet& set) {
+std::string describe(const UquadFileSet& set) {
   if (set.integral.empty())
     return fmt::format("{} ({})", set.proportional, internal::joined(set.states, " "));
   return fmt::format("{} + {} ({}; integrals {})", set.proportional, set.integral,
@@ -53,7 +53,7 @@ std::string in_words(const UquadFileSet& set) {
 
 std::string all_in_words() {
   std::vector<std::string> words;
-  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(in_words(set));
+  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(describe(set));
   return fmt::format("{}", internal::joined(words, ", "));
 }
 
@@ -61,7 +61,7 @@ const UquadFileSet& set_of_path(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   for (const UquadFileSet& set : uquad_file_sets())
     if (name == set.proportional || (!name.empty() && name == set.integral)) return set;
-  throw InvalidInput(path.string(), "is no gain file of uquad, expected " + all_in_words());
+  throw InvalidInput(path.string(), "is not a gain file of uquad; expected " + all_in_words());
 }
 
 const UquadFileSet& set_of_directory(const std::filesystem::path& directory) {
@@ -74,12 +74,13 @@ const UquadFileSet& set_of_directory(const std::filesystem::path& directory) {
   }
   if (present.empty())
     throw InvalidInput(directory.string(),
-                       "has no gain files of uquad, expected " + all_in_words());
+                       "has no gain files of uquad; expected " + all_in_words());
   if (present.size() > 1)
-    throw InvalidInput(directory.string(),
-                       fmt::format("has the gains of several builds ({}), expected one; name the "
-                                   "file instead of the directory",
-                                   internal::joined(found, ", ")));
+    throw InvalidInput(
+        directory.string(),
+        fmt::format("has the gains of several builds ({}), expected those of one; name the "
+                    "file instead of the directory",
+                    internal::joined(found, ", ")));
   return *present.front();
 }
 
@@ -91,8 +92,8 @@ std::vector<Signal> signals_of(const std::vector<std::string>& wanted, bool inte
   return signals;
 }
 
-// The program closes its loop every 10 ms and reads these files for hover alone: x and y are then
-// axes of the world, and every velocity and rate is to be zero.
+// The program's loop has a period of 10 ms, and it uses these files for hover only: x and y are
+// then world axes, and every velocity and rate must be zero.
 void require_hover_at_program_rate(const Gains& gains) {
   if (std::abs(gains.dt - kFlightProgramDt) > 1e-9)
     throw InvalidInput("uquad",
@@ -102,13 +103,13 @@ void require_hover_at_program_rate(const Gains& gains) {
   if (gains.memory || gains.axes == PositionAxes::heading)
     throw InvalidInput("uquad",
                        fmt::format("the law {}, expected a matrix on the states in world axes, "
-                                   "which is all that the flight program holds",
+                                   "which is all that the flight program implements",
                                    gains.memory ? "feeds back its past commands"
                                                 : "sees the position error in heading axes"));
   if (gains.limits != FeedbackLimits{})
     throw InvalidInput("uquad",
                        "the law limits its position error or its integrals, expected none, because "
-                       "the flight program's files hold the matrices alone");
+                       "the flight program's files contain only the matrices");
   for (std::size_t i = 0; i < gains.states.size(); ++i) {
     const std::string& name = gains.states[i].name;
     const double value = gains.x0(static_cast<Eigen::Index>(i));
@@ -160,7 +161,7 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
 }
 
 UquadDiagonals uquad_diagonals(const UquadFilterSettings<double>& settings) {
-  // A permutation but for its signs, which variances do not have.
+  // A permutation except for its signs, which do not affect variances.
   const Eigen::Matrix<double, 12, 12> axes = convention("uquad", "uquad").from_ned.cwiseAbs();
   UquadDiagonals result;
   result.Q.resize(kUquadStates);

@@ -25,8 +25,8 @@ std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
   if (rotors.size() != 4 || !std::all_of(rotors.begin(), rotors.end(), [&](const Rotor& rotor) {
         return same_curves(rotor, rotors.front());
       }))
-    throw InvalidInput("uquad", fmt::format("the rotors of '{}' differ or are not four, expected "
-                                            "four that are alike because the header has one arm "
+    throw InvalidInput("uquad", fmt::format("'{}' does not have four equal rotors; "
+                                            "they are required because the header has one arm "
                                             "and one curve",
                                             vehicle.name));
   const Rotor& rotor = rotors.front();
@@ -45,7 +45,8 @@ std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
   define("GRAVITY", vehicle.gravity, "m/s^2");
   define("MASS", vehicle.mass, "kg");
   define("ARM", std::hypot(rotor.position.x(), rotor.position.y()), "m, from centre to rotor");
-  // About the same point in axes x forward, y left, z up: products with one of y and z change sign.
+  // About the same point in axes x forward, y left, z up: products with exactly one of y and z
+  // change sign.
   define("IXX", J(0, 0), "kg m^2, x forward, y left, z up");
   define("IYY", J(1, 1), "kg m^2");
   define("IZZ", J(2, 2), "kg m^2");

@@ -19,7 +19,7 @@ constexpr char kKalmanQ[] = "kalman-Q.txt", kKalmanR[] = "kalman-R.txt";
 
 std::vector<FileContent> files_of(const ExportContent& content) {
   if (!content.gains)
-    throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
+    throw InvalidInput("uquad", "there are no gains; expected a state feedback (section lqr)");
   std::vector<FileContent> files =
       uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
   if (content.imu_calibration)
@@ -45,7 +45,7 @@ std::vector<std::string> gain_files() {
   return all;
 }
 
-// A uquad directory may hold other builds' files that the manifest does not list.
+// A uquad directory may contain files of other builds that the manifest does not list.
 fs::path listed_uquad_file(const fs::path& directory, const Manifest& manifest) {
   for (const UquadFileSet& set : uquad_file_sets())
     for (const ManifestFile& file : manifest.files)
@@ -58,7 +58,7 @@ StoredLaws read(const fs::path& directory, const Manifest& manifest) {
   Gains& gains = *laws.gains;
   gains.vehicle = manifest.vehicle;
   if (!manifest.gains) return laws;
-  // What the files cannot say; the columns are compared by name, so the order may differ.
+  // Data that the files do not contain; columns are compared by name, so their order may differ.
   gains.dt = manifest.gains->dt;
   gains.sign_law = manifest.gains->sign_law;
   gains.u0 = manifest.gains->u0;
@@ -69,7 +69,8 @@ StoredLaws read(const fs::path& directory, const Manifest& manifest) {
   return laws;
 }
 
-// A file by its name. One of numbers by another name is read too: the reader names those it takes.
+// Reads a file by its name. A file of numbers with another name is rejected with the names that are
+// accepted.
 std::optional<StoredLaws> read_plain(const fs::path& path) {
   const auto is_uquad_name = [name = path.filename().string()](const UquadFileSet& set) {
     return name == set.proportional || (!set.integral.empty() && name == set.integral);
@@ -94,7 +95,7 @@ Eigen::RowVectorXd diagonal_of(const std::string& name, const std::string& text,
   return variances;
 }
 
-// The filter's diagonals that travel with uquad's gains; none where the manifest lists none.
+// The filter's diagonals next to uquad's gains; no value if the manifest lists none.
 std::optional<UquadDiagonals> read_diagonals(const fs::path& directory, const Manifest& manifest) {
   UquadDiagonals diagonals;
   for (const ManifestFile& file : manifest.files) {
@@ -107,11 +108,11 @@ std::optional<UquadDiagonals> read_diagonals(const fs::path& directory, const Ma
   if (diagonals.Q.size() == 0 || diagonals.R.size() == 0)
     throw InvalidInput(
         (directory / kManifestName).string(),
-        fmt::format("lists one of {} and {}, expected both or none", kKalmanQ, kKalmanR));
+        fmt::format("lists only one of {} and {}; expected both or none", kKalmanQ, kKalmanR));
   return diagonals;
 }
 
-// The manifest knows gains and weights, but not the filter's diagonals.
+// The manifest contains gains and weights, but not the filter's diagonals.
 std::vector<NamedMatrix> numbers(const FileContent& file) {
   const std::string name = fs::path(file.name).filename().string();
   if (name != kKalmanQ && name != kKalmanR) return {};
@@ -133,7 +134,7 @@ std::vector<FileContent> written_again(const fs::path& directory, const Manifest
   return files_of(content);
 }
 
-// The weights that travel with uquad's gains, in the same plain format.
+// Reads the weights next to uquad's gains, in the same plain format.
 void read_weights(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
   const auto n = static_cast<Eigen::Index>(gains.states.size() + gains.integrals.size());
   const auto nu = static_cast<Eigen::Index>(gains.inputs.size());
@@ -146,7 +147,7 @@ void read_weights(const fs::path& directory, const Manifest& manifest, const Gai
 }
 
 void check(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
-  (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
+  (void)uquad_file_set(gains);  // rejects a trim that the flight program does not support
   read_weights(directory, manifest, gains);
   (void)read_diagonals(directory, manifest);
   if (lists(manifest, kImuCalibrationName))
@@ -157,7 +158,7 @@ bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
 }
 
-// What differs between lqr-Q.txt and lqr-R.txt and the manifest's weights in their order, or "".
+// The difference between lqr-Q.txt and lqr-R.txt and the manifest's weights in their order, or "".
 std::string weights_difference(const fs::path& directory, const Manifest& manifest) {
   const auto is_weights = [](const std::string& name) { return name.starts_with("lqr-"); };
   std::ptrdiff_t left = std::count_if(manifest.files.begin(), manifest.files.end(),
@@ -171,7 +172,7 @@ std::string weights_difference(const fs::path& directory, const Manifest& manife
               parse_uquad_matrix(file.bytes, n, n, file.name)))
       return file.name + " differs";
   }
-  return left == 0 ? "" : "the manifest lists files of weights but not the weights of each";
+  return left == 0 ? "" : "the manifest lists weight files, but lacks some of their weights";
 }
 
 }  // namespace

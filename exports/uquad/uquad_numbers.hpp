@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads numbers as the uquad flight program scans them, and refuses what it would misread.
+/// Reads numbers as the uquad flight program scans them, and rejects what it would misread.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 namespace quadtune::exports {
 
-/// @throws InvalidInput  for a word that is no finite number, and for a decimal comma.
+/// @throws InvalidInput  if a word is not a finite number, or has a decimal comma
 inline double number_of_word(const std::string& word, const std::string& where) {
   if (word.find(',') != std::string::npos)
     throw InvalidInput(where, fmt::format("'{}' has a comma, expected a decimal point, because the "
@@ -26,12 +26,12 @@ inline double number_of_word(const std::string& word, const std::string& where) 
   const char* end = word.data() + word.size();
   const auto [stopped, error] = std::from_chars(word.data() + plus, end, number);
   if (error != std::errc() || stopped != end || !std::isfinite(number))
-    throw InvalidInput(
-        where, fmt::format("'{}' came, expected a finite number", internal::printable(word)));
+    throw InvalidInput(where,
+                       fmt::format("'{}' is not a finite number", internal::printable(word)));
   return number;
 }
 
-/// The numbers of a line, separated by blanks.
+/// Parses the numbers of a line, separated by blanks.
 inline std::vector<double> numbers_of_line(const std::string& line, const std::string& where) {
   std::vector<double> numbers;
   for (std::size_t i = line.find_first_not_of(" \t\r"); i != std::string::npos;) {

@@ -29,7 +29,7 @@ void require_same_signals(const std::vector<Signal>& a, const std::vector<Signal
     throw InvalidInput(
         "diff", fmt::format("the gains have different {} (only in the first: {}; "
                             "only in the second: {}), expected the same, because "
-                            "a gain has no meaning without its others",
+                            "gains are only comparable with the same set of signals",
                             what, internal::joined(first, " "), internal::joined(second, " ")));
   for (const Signal& x : a)
     for (const Signal& y : b)
@@ -39,7 +39,7 @@ void require_same_signals(const std::vector<Signal>& a, const std::vector<Signal
                                                x.name, x.unit, y.unit));
 }
 
-// Columns of M, named by `from`, in the order of `to`.
+// Columns of M, named by `from`, reordered to `to`.
 Eigen::MatrixXd in_order(const Eigen::MatrixXd& M, const std::vector<Signal>& from,
                          const std::vector<Signal>& to) {
   Eigen::MatrixXd result(M.rows(), static_cast<Eigen::Index>(to.size()));
@@ -50,20 +50,20 @@ Eigen::MatrixXd in_order(const Eigen::MatrixXd& M, const std::vector<Signal>& fr
   return result;
 }
 
-// Rows of M, named by `from`, in the order of `to`.
+// Rows of M, named by `from`, reordered to `to`.
 Eigen::MatrixXd rows_in_order(const Eigen::MatrixXd& M, const std::vector<Signal>& from,
                               const std::vector<Signal>& to) {
   return in_order(M.transpose(), from, to).transpose();
 }
 
-// Gains 0 where the cascade has no such loop.
+// The loop with this axis; all gains 0 if the cascade has no such loop.
 PidLoop loop_of(const CascadeGains& gains, CascadeAxis axis) {
   for (const PidLoop& loop : gains.loops)
     if (loop.name == to_string(axis)) return loop;
   return cascade_loop(axis);
 }
 
-// One number of a cascade. Infinite stands for a limit that there is not.
+// Compares one number of a cascade. Infinite means that there is no limit.
 void compare(const std::string& matrix, const std::string& loop, double a, double b,
              GainsDiff& result) {
   if (a == b) return;
@@ -85,12 +85,12 @@ void compare(const std::string& matrix, const Eigen::MatrixXd& A, const Eigen::M
   const Eigen::MatrixXd size = A.cwiseAbs().cwiseMax(B.cwiseAbs());
   const Eigen::VectorXd row = size.rowwise().maxCoeff();
   const Eigen::RowVectorXd column = size.colwise().maxCoeff();
-  const double least = 1e-13 * size.maxCoeff();
+  const double min = 1e-13 * size.maxCoeff();
   for (Eigen::Index i = 0; i < A.rows(); ++i)
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       if (A(i, j) == B(i, j)) continue;
       const double difference = B(i, j) - A(i, j);
-      const double scale = std::max(std::min(row(i), column(j)), least);
+      const double scale = std::max(std::min(row(i), column(j)), min);
       result.entries.push_back({matrix, inputs[static_cast<std::size_t>(i)].name,
                                 columns[static_cast<std::size_t>(j)].name, A(i, j), B(i, j),
                                 difference, std::abs(difference) / scale});
@@ -106,8 +106,8 @@ std::vector<Signal> past_commands(const std::vector<Signal>& inputs, int past) {
   return all;
 }
 
-/// Compares axes, limits and memory. A law without memory is compared as one with all memory gains
-/// 0, no past commands and a lag of 0.
+/// Compares axes, limits and memory. A law without memory is compared as a law whose memory gains
+/// are 0, without past commands and with a lag of 0.
 void compare_dynamics(const Gains& a, const Gains& b, GainsDiff& result) {
   compare("heading_axes", "", a.axes == PositionAxes::heading ? 1 : 0,
           b.axes == PositionAxes::heading ? 1 : 0, result);
@@ -153,7 +153,7 @@ GainsDiff diff(const Gains& a, const Gains& b) {
   require_same_signals(a.states, turned.states, "states");
   require_same_signals(a.integrals, turned.integrals, "integrals");
   GainsDiff result;
-  // By name, rows as well as columns: a gain under other names is another gain.
+  // By name, rows as well as columns: a gain with other names is another gain.
   const auto as_first = [&](const Eigen::MatrixXd& M, const std::vector<Signal>& columns,
                             const std::vector<Signal>& wanted) {
     return rows_in_order(in_order(M, columns, wanted), turned.inputs, a.inputs);

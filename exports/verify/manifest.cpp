@@ -28,7 +28,7 @@ Json files_to_json(const std::vector<ManifestFile>& files) {
 }
 
 std::vector<ManifestFile> files_from_json(const Json& json, const std::string& where) {
-  if (!json.is_array()) throw InvalidInput(where, "is no array, expected a list of files");
+  if (!json.is_array()) throw InvalidInput(where, "is not an array; expected a list of files");
   std::vector<ManifestFile> files;
   for (std::size_t i = 0; i < json.size(); ++i) {
     const std::string here = fmt::format("{}[{}]", where, i);
@@ -39,7 +39,7 @@ std::vector<ManifestFile> files_from_json(const Json& json, const std::string& w
     files.push_back({internal::string_from_json(member(json[i], "path", here), here + ".path"),
                      internal::string_from_json(member(json[i], "sha256", here), here + ".sha256"),
                      size.get<std::size_t>()});
-    // A manifest from elsewhere must not make us read or remove files outside its directory.
+    // A foreign manifest must not cause files outside its directory to be read or removed.
     const std::string& path = files.back().path;
     if (path.empty() || path == "." || path == ".." || path.find('/') != std::string::npos)
       throw InvalidInput(here + ".path",
@@ -63,7 +63,8 @@ Json evidence_to_json(const ExportEvidence& evidence) {
 }
 
 ExportEvidence evidence_from_json(const Json& json, const std::string& where) {
-  if (!json.is_object()) throw InvalidInput(where, "is no object, expected that of a solution");
+  if (!json.is_object())
+    throw InvalidInput(where, "is not an object; expected the evidence of a solution");
   ExportEvidence evidence;
   const auto with = [&](const char* key, auto use) {
     if (json.contains(key)) use(json[key], where + "." + key);
@@ -160,14 +161,14 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   if (json.contains("forced")) {
     const Json& forced = json["forced"];
     if (!forced.is_array())
-      throw InvalidInput(path("forced"), "is no array, expected a list of reasons");
+      throw InvalidInput(path("forced"), "is not an array; expected a list of reasons");
     for (std::size_t i = 0; i < forced.size(); ++i)
       manifest.forced.push_back(
           internal::string_from_json(forced[i], path(fmt::format("forced[{}]", i))));
   }
   const Json& versions = member(json, "versions", origin);
   if (!versions.is_object())
-    throw InvalidInput(path("versions"), "is no object, expected a version for each program");
+    throw InvalidInput(path("versions"), "is not an object; expected a version for each program");
   for (const std::string& name : versions.keys())
     manifest.versions.emplace_back(
         name, internal::string_from_json(versions[name], path("versions." + name)));
@@ -187,7 +188,7 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
         closed_loop_from_json(json["cascade_closed_loop"], path("cascade_closed_loop"));
   const Json& numbers = member(json, "numbers", origin);
   if (!numbers.is_array())
-    throw InvalidInput(path("numbers"), "is no array, expected the numbers of the files");
+    throw InvalidInput(path("numbers"), "is not an array; expected the numbers of the files");
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::string here = path(fmt::format("numbers[{}]", i));
     manifest.numbers.push_back(

@@ -11,7 +11,7 @@
 namespace quadtune {
 namespace {
 
-/// A line as words between numbers, and the numbers. A digit within a name belongs to the name.
+/// A line split into words and numbers. A digit within a name belongs to the name.
 struct LineParts {
   std::string words;
   std::vector<double> numbers;
@@ -24,12 +24,12 @@ LineParts parts_of(const std::string& line) {
   };
   const auto in_name = [&](std::size_t at) { return is(std::isalnum, at) || line[at] == '_'; };
   for (std::size_t at = 0; at < line.size();) {
-    // A sign belongs to the number: rounding turns small numbers around.
+    // The sign belongs to the number, because rounding can change the sign of small numbers.
     const std::size_t first = line[at] == '-' || line[at] == '+' ? at + 1 : at;
     const bool digits = is(std::isdigit, first) ||
                         (first < line.size() && line[first] == '.' && is(std::isdigit, first + 1));
     if (!digits || (at > 0 && in_name(at - 1))) {
-      // Columns of numbers are filled up with blanks.
+      // Columns of numbers are padded with blanks.
       const bool blank = line[at] == ' ' && parts.words.ends_with(' ');
       if (!blank) parts.words += line[at];
       ++at;

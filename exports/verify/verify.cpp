@@ -27,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Trims are solved to 1e-10, so two of one flight agree to less than this share of their largest
-// entry, or of 1 in its unit.
+// Trims are solved to 1e-10, so two solutions for one flight agree to within this share of their
+// largest entry, or of 1 in its unit.
 constexpr double kTrimTolerance = 1e-7;
 
 VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
@@ -51,7 +51,7 @@ VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
   return check;
 }
 
-// Every name under which some flight program would find gains.
+// All names of files in which any flight program would look for gains.
 std::vector<std::string> all_gain_files() {
   std::vector<std::string> all;
   for (const Exporter& exporter : exporters())
@@ -80,7 +80,8 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
                       internal::joined(others, ", "))};
 }
 
-// Inputs are told by their names alone: which of them are at hand, and are these as they were?
+// Inputs are identified by name only. Reports which of them are available, and whether these are
+// unchanged.
 VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand>& at_hand) {
   VerifyCheck check{"inputs are those of the manifest", true, ""};
   std::vector<std::string> same, missing;
@@ -100,8 +101,8 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
     }
     check.ok = false;
     check.detail = fmt::format(
-        "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: made from another file, "
-        "which --design names",
+        "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: the export was made from "
+        "another file; name it with --design",
         other->where.empty() ? input.path : internal::printable(other->where), other->bytes.size(),
         sha256(other->bytes), input.size, input.sha256);
     return check;
@@ -114,7 +115,7 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
   return check;
 }
 
-std::string in_words(const StoredLaws& laws) {
+std::string describe(const StoredLaws& laws) {
   std::string text;
   if (laws.gains)
     text = fmt::format("K {}x{}, K_int {}x{}, all finite", laws.gains->K.rows(),
@@ -135,7 +136,7 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
       if (const auto& check_files = exporter_of(manifest->kind, kManifestName).check)
         check_files(directory, *manifest, *laws.gains);
     check.detail = !laws.gains && !laws.cascade && holds_schedule(directory) ? "a gain schedule"
-                                                                             : in_words(laws);
+                                                                             : describe(laws);
     check.ok = true;
     report.gains = std::move(laws.gains);
     report.cascade = std::move(laws.cascade);
@@ -147,7 +148,7 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
   report.checks.push_back(check);
 }
 
-// x0 with its entries as `states` stand; zero for a state that the gains do not have.
+// x0 with its entries in the order of `states`; zero for a state that the gains do not have.
 Eigen::VectorXd in_order_of(const Gains& gains, const std::vector<Signal>& states) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(states.size()));
   for (std::size_t i = 0; i < states.size(); ++i)
@@ -157,7 +158,7 @@ Eigen::VectorXd in_order_of(const Gains& gains, const std::vector<Signal>& state
   return x0;
 }
 
-// What of `found` is not what `expected` says, or "": K has no meaning without its signals.
+// How the signals `found` differ from `expected`, or "": K has no meaning without its signals.
 std::string signal_difference(const char* what, const std::vector<Signal>& found,
                               const std::vector<Signal>& expected, bool in_this_order) {
   for (std::size_t i = 0; i < std::max(found.size(), expected.size()); ++i) {
@@ -175,7 +176,7 @@ std::string signal_difference(const char* what, const std::vector<Signal>& found
   return "";
 }
 
-// Everything of a gain but its numbers.
+// Compares everything about the gains except their numbers.
 std::string description_difference(const Gains& read, const Gains& expected) {
   const auto differ = [](const char* what, const std::string& a, const std::string& b) {
     return a == b ? "" : fmt::format("{} {} in the file, {} in the manifest", what, a, b);
@@ -262,7 +263,7 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
       const auto at = std::find_if(found.begin(), found.end(), same_name);
       const std::string name = expected.file + ": " + expected.name;
       if (at == found.end()) {
-        check.detail = name + " is not there any more";
+        check.detail = name + " is missing";
         return check;
       }
       if (at->value.rows() != expected.value.rows() || at->value.cols() != expected.value.cols() ||
@@ -271,7 +272,7 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
         return check;
       }
     }
-    // An older version listed fewer of them.
+    // An older version of quadtune listed fewer of them.
     check.ok = found.size() == manifest.numbers.size() || !exports::is_of_this_version(manifest);
     check.detail =
         fmt::format("{} in the files, {} in the manifest", found.size(), manifest.numbers.size());
@@ -283,11 +284,11 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
   return check;
 }
 
-// "" where `found` is `expected` up to kTrimTolerance, else the entry that is furthest off.
+// "" if `found` equals `expected` up to kTrimTolerance, else the entry with the largest difference.
 std::string trim_difference(const char* name, const std::vector<Signal>& signals,
                             const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
   if (found.size() != expected.size())
-    return fmt::format("{} has {} entries, the vehicle's trim {}", name, found.size(),
+    return fmt::format("{} has {} entries, the vehicle's trim has {}", name, found.size(),
                        expected.size());
   Eigen::Index worst = 0;
   const double largest = (found - expected).cwiseAbs().maxCoeff(&worst);
@@ -370,13 +371,13 @@ void check_cascade_loop(const std::optional<DiscreteLti>& plant, const Manifest*
     }
   }
   report.checks.push_back(stable);
-  // Of an export whose manifest does not know the cascade, the numbers of its files are compared.
+  // If the manifest does not contain the cascade, the numbers of its files are compared instead.
   if (manifest != nullptr && manifest->cascade)
     report.checks.push_back(check_poles("poles of the cascade are those of the manifest", poles,
                                         manifest->cascade_poles));
 }
 
-// The first member of `found` that `expected` has otherwise or not at all; "" if there is none.
+// The first member of `found` that differs in `expected` or is missing there; "" if there is none.
 std::string other_member(const internal::Json& found, const internal::Json& expected) {
   for (const std::string& key : found.keys())
     if (!expected.contains(key) || !(found[key] == expected[key])) return internal::printable(key);
@@ -398,7 +399,7 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
           other_member(internal::Json::parse(exports::export_text(directory / kManifestName)),
                        internal::Json::parse(manifest_text(*manifest)));
       check.ok = member.empty();
-      if (!check.ok) check.detail = fmt::format("'{}' is not as an export has it", member);
+      if (!check.ok) check.detail = fmt::format("'{}' differs from that of an export", member);
     }
   } catch (const InvalidInput& error) {
     check.detail = error.what();
@@ -434,8 +435,9 @@ VerifyReport verify_export(const fs::path& directory, const std::optional<Verify
                            const VerifyFacts& facts) {
   std::error_code error;
   if (!fs::is_directory(directory, error))
-    throw FileError(directory.string(),
-                    error ? error.message() : "is no directory, expected that of an export");
+    throw FileError(
+        directory.string(),
+        error ? error.message() : "is not a directory; expected the directory of an export");
   VerifyReport report;
   const std::optional<Manifest> manifest = check_manifest(directory, report);
   if (manifest) {

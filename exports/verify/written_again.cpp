@@ -32,7 +32,7 @@ std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& direc
     if (vehicle.name != manifest.vehicle) {
       check.ok = false;
       check.detail =
-          fmt::format("the export is for '{}', the vehicle is '{}'",
+          fmt::format("the export is for '{}', but the vehicle is '{}'",
                       internal::printable(manifest.vehicle), internal::printable(vehicle.name));
     } else if (!exports::is_of_this_version(manifest)) {
       check.detail = "not compared: another version of quadtune wrote them";

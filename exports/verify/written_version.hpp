@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether an export can be compared byte by byte with what this program writes.
+/// Whether an export can be compared byte by byte with the output of this version.
 #pragma once
 
 #include <algorithm>

@@ -17,7 +17,7 @@ Allocation<double> allocation(const Vehicle& vehicle) {
                        fmt::format("{} rotors, expected 1 to {}", n, kMaxRotors));
   Allocation<double> result;
   result.rotors = static_cast<int>(n);
-  // Twice: the drag torque's slope is taken at the hover thrusts that the first pass finds.
+  // Two passes: the second uses the drag torque's slope at the hover thrusts of the first.
   result.thrust0 =
       RotorSpeeds<double>::Constant(n, vehicle.mass * vehicle.gravity / static_cast<double>(n));
   for (int pass = 0; pass < 2; ++pass) {
@@ -36,14 +36,15 @@ Allocation<double> allocation(const Vehicle& vehicle) {
       result.a2[static_cast<std::size_t>(i)] = rotor.thrust_a2;
       result.a1[static_cast<std::size_t>(i)] = rotor.thrust_a1;
     }
-    // Rows in units of force, so that the rank is not judged by metres.
+    // Rows in units of force, so that the rank does not depend on the unit of length.
     Eigen::Vector4d scale;
     for (int row = 0; row < 4; ++row) scale(row) = 1 / std::max(M.row(row).norm(), 1e-300);
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse(scale.asDiagonal() * M);
     if (inverse.rank() < 4)
-      throw InvalidInput("vehicle '" + vehicle.name + "'",
-                         "the rotors cannot make every wrench, expected a layout that can because "
-                         "the law commands thrust and three torques");
+      throw InvalidInput(
+          "vehicle '" + vehicle.name + "'",
+          "the rotors cannot produce every wrench, expected a layout that can because "
+          "the law commands thrust and three torques");
     const Eigen::MatrixXd P = inverse.pseudoInverse() * scale.asDiagonal();
     const Eigen::Vector4d hover(vehicle.mass * vehicle.gravity, 0, 0, 0);
     result.P.topRows(n) = P;
@@ -51,8 +52,9 @@ Allocation<double> allocation(const Vehicle& vehicle) {
     result.thrust0 += P * (hover - wrench);
     if (pass == 1) result.wrench0 = hover;
     if ((result.thrust0.array() < 0).any())
-      throw InvalidInput("vehicle '" + vehicle.name + "'",
-                         "hover needs a rotor that pulls down, expected thrusts of 0 or more");
+      throw InvalidInput(
+          "vehicle '" + vehicle.name + "'",
+          "hover requires negative thrust from a rotor, expected thrusts of 0 or more");
   }
   return result;
 }

@@ -23,7 +23,7 @@ constexpr std::array<LoopWords, kCascadeAxes> kWords = {
      {"pitch", "tau_y", "N m/rad"},
      {"roll", "tau_x", "N m/rad"},
      {"yaw", "tau_z", "N m/rad"},
-     {"altitude", "force along +z beside -m g", "N/m"}}};
+     {"altitude", "force along +z, added to -m g", "N/m"}}};
 
 }  // namespace
 

@@ -18,8 +18,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 
-/// Where a loop's signals stand: its set point (or -1: an outer loop gives it), value and rate
-/// among the 12 states of ned_convention().
+/// Indices of a loop's signals: its set point (or -1 if an outer loop commands it), and its value
+/// and rate in the 12 states of ned_convention().
 struct LoopSignals {
   std::string_view name;
   Index set_point;
@@ -52,10 +52,11 @@ std::array<PidLoop, 6> in_order(const CascadeGains& gains) {
   return loops;
 }
 
-/// Signals are written as rows over [integrals; inputs] until all are known.
+/// Expresses signals as rows over [integrals; inputs] until all loops are processed.
 ///
-/// @param rate_of_integral  of ∫ per Ki · error: dt sampled, 1 continuous
-/// @param at_once           share of Ki · error that the integral adds in the same instant
+/// @param rate_of_integral  factor of Ki · error in the integral's equation: dt sampled, 1
+///                          continuous
+/// @param at_once           fraction of Ki · error that the integral adds in the same instant
 template <class Lti>
 Lti assemble(const CascadeGains& gains, double rate_of_integral, double at_once, bool sampled) {
   const std::array<PidLoop, 6> loops = in_order(gains);
@@ -75,9 +76,9 @@ Lti assemble(const CascadeGains& gains, double rate_of_integral, double at_once,
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const PidLoop& loop = loops[k];
     const LoopSignals& signals = kLoops[k];
-    RowVectorXd error = signals.set_point >= 0
-                            ? unit(integrals + signals.set_point)
-                            : output[signals.name == "pitch" ? 0 : 1];  // x gives pitch, y roll
+    /// x commands pitch, y roll.
+    RowVectorXd error = signals.set_point >= 0 ? unit(integrals + signals.set_point)
+                                               : output[signals.name == "pitch" ? 0 : 1];
     error -= state(signals.value);
     output[k] = (loop.Kp + loop.Ki * at_once) * error + loop.Kd * state(signals.rate);
     if (loop.Ki == 0) continue;
@@ -111,14 +112,15 @@ void require_fit(const Lti& plant, const Lti& law, int set_points) {
                     "the plant and {} inputs of the plant",
                     law.D.cols(), law.D.rows(), set_points, outputs, plant.B.cols()));
   if (plant.D.size() > 0 && !plant.D.isZero(0))
-    throw InvalidInput("closed loop",
-                       "the plant has feed-through, expected none because the loop "
-                       "would be algebraic");
+    throw InvalidInput(
+        "closed loop",
+        "the plant has direct feedthrough, expected D = 0 because otherwise the loop "
+        "is algebraic");
   if constexpr (std::is_same_v<Lti, DiscreteLti>)
     if (plant.dt != law.dt)
       throw InvalidInput("closed loop",
-                         fmt::format("the plant is sampled every {} s, the law every "
-                                     "{} s, expected one period",
+                         fmt::format("the sample period of the plant is {} s and that of the law "
+                                     "{} s, expected equal periods",
                                      plant.dt, law.dt));
 }
 

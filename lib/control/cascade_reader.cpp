@@ -16,7 +16,7 @@ std::vector<TomlKey> axis_keys() {
   return keys;
 }
 
-/// Calls `use` with each axis that the table under `key` gives a number.
+/// Calls `use` for each axis with a number in the table under `key`.
 template <class Use>
 void each_number(const TomlTable& table, const std::string& key, const Range& range,
                  const Use& use) {
@@ -67,8 +67,8 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
     specification.method = pid_method(table.text("integrator"), table.where("integrator"));
   if (table.has("motor_lag_s"))
     specification.lag =
-        table.number("motor_lag_s", {0, Range::Bound::closed, kLongestLag, Range::Bound::closed});
-  const Range delays = {0, Range::Bound::closed, kMostDelaySamples * dt, Range::Bound::closed};
+        table.number("motor_lag_s", {0, Range::Bound::closed, kMaxLag, Range::Bound::closed});
+  const Range delays = {0, Range::Bound::closed, kMaxDelaySamples * dt, Range::Bound::closed};
   each_number(table, "sensor_delay_s", delays,
               [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });
   const Range below_nyquist = {0, Range::Bound::open, std::numbers::pi / dt, Range::Bound::open};
@@ -86,7 +86,7 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
       const std::string where = table.where("integral");
       bool& integral = specification.requirements[index_of(cascade_axis(name, where))].integral;
       if (std::exchange(integral, true))
-        throw InvalidInput(where, "integral names loop '" + name + "' twice, expected each once");
+        throw InvalidInput(where, "integral lists loop '" + name + "' twice, expected each once");
     }
   if (table.has("structure"))
     specification.structure = cascade_structure(table.text("structure"), table.where("structure"));

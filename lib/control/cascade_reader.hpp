@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Cascades in TOML: the same in vehicle and design files.
+/// Reads cascades from TOML, in vehicle and design files.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace quadtune::internal {
 
-/// Keys of a table that read_cascade_gains() reads.
+/// The keys of a table that read_cascade_gains() reads.
 [[nodiscard]] std::vector<TomlKey> cascade_gain_keys();
 
-/// dt_s and the tables x, y, pitch, roll, yaw, altitude with Kp, Ki and Kd, all six.
+/// Reads dt_s and all six tables x, y, pitch, roll, yaw, altitude with Kp, Ki and Kd.
 [[nodiscard]] CascadeGains read_cascade_gains(const TomlTable& table);
 
-/// The table that asks for a cascade: dt_s and what docs/formats.md lists under [cascade.design].
-/// @param dt  sample period [s], from the table around it
+/// Reads the requirements on a cascade: the keys of [cascade.design] in docs/formats.md.
+/// @param dt  sample period [s], from the enclosing table
 [[nodiscard]] CascadeSpecification read_cascade_specification(const TomlTable& table, double dt);
 
 }  // namespace quadtune::internal

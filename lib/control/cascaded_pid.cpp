@@ -18,23 +18,24 @@ CascadedPidSettings<double> cascaded_pid_settings(const Vehicle& vehicle, const 
         settings.loops[index_of(cascade_axis(loop.name, "loop '" + loop.name + "'"))];
     target = pid_settings(loop, gains.dt);
     target.method = method;
-    // The limit is of the error's integral; the element limits its part of the output.
-    const double most = std::abs(loop.Ki) * integrator_limit;
-    if (loop.Ki != 0 && std::isfinite(most)) {
-      target.integral_min = -most;
-      target.integral_max = most;
+    // The design limits the integral of the error; the element limits the integral part of its
+    // output.
+    const double max = std::abs(loop.Ki) * integrator_limit;
+    if (loop.Ki != 0 && std::isfinite(max)) {
+      target.integral_min = -max;
+      target.integral_max = max;
     }
-    // Without Ki nothing would ever bring back what the back-calculation adds.
+    // Without Ki, what back-calculation adds would never decay.
     target.back_calculation = loop.Ki != 0 ? back_calculation : 0;
     validate(target, "loop '" + loop.name + "'");
   }
   settings.attitude_limit = attitude_limit;
   settings.weight = vehicle.mass * vehicle.gravity;
   settings.take_off_thrust = (1 + vehicle.takeoff_gain) * settings.weight;
-  settings.greatest_thrust = altitude_thrust_limit(vehicle);
-  // What the limits leave is what the anti-windup must hear of.
+  settings.max_thrust = altitude_thrust_limit(vehicle);
+  // Anti-windup must act on the output as limited here.
   PidSettings<double>& altitude = settings.loops[index_of(CascadeAxis::altitude)];
-  altitude.output_min = settings.weight - settings.greatest_thrust;
+  altitude.output_min = settings.weight - settings.max_thrust;
   altitude.output_max = settings.weight;
   for (const CascadeAxis axis : {CascadeAxis::x, CascadeAxis::y}) {
     settings.loops[index_of(axis)].output_min = -attitude_limit;

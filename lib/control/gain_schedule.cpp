@@ -16,7 +16,8 @@
 namespace quadtune {
 namespace {
 
-/// Beyond a grid by this share of its span, or off a single value by this share of it, is rounding.
+/// A smaller distance to a grid, relative to its span, or to a single value, relative to it, is
+/// rounding.
 constexpr double kRounding = 1e-9;
 
 void check_range(ScheduleQuantity quantity, double value, const std::string& where) {
@@ -24,14 +25,15 @@ void check_range(ScheduleQuantity quantity, double value, const std::string& whe
   if (!std::isfinite(value))
     throw InvalidInput(where, fmt::format("{} has {}, expected finite numbers", name, value));
   if (quantity == ScheduleQuantity::speed && value < 0)
-    throw InvalidInput(where, fmt::format("{} has {} m/s, expected 0 or more, for the flight is "
+    throw InvalidInput(where, fmt::format("{} has {} m/s, expected 0 or more because the speed is "
                                           "along the heading",
                                           name, value));
   const bool ratio = quantity == ScheduleQuantity::mass || quantity == ScheduleQuantity::density;
   if (ratio && !(value > 0))
-    throw InvalidInput(where, fmt::format("{} has {}, expected more than 0, for it is a share of "
-                                          "the vehicle's",
-                                          name, value));
+    throw InvalidInput(where,
+                       fmt::format("{} has {}, expected more than 0 because it is a ratio to "
+                                   "the vehicle's value",
+                                   name, value));
 }
 
 void check_axis(const ScheduleAxis& axis, const std::string& where) {
@@ -46,7 +48,7 @@ void check_axis(const ScheduleAxis& axis, const std::string& where) {
                                           *std::next(fall), *fall));
 }
 
-/// None beyond the axis.
+/// Empty if the value is outside the axis.
 std::optional<internal::GridPlace<double>> place_on(const std::vector<double>& grid, double value) {
   const double first = grid.front();
   const double last = grid.back();
@@ -114,14 +116,15 @@ Eigen::Index checked_grid_size(const std::vector<ScheduleAxis>& axes, const std:
     check_axis(axes[a], where);
     for (std::size_t b = 0; b < a; ++b)
       if (axes[b].quantity == axes[a].quantity)
-        throw InvalidInput(where, fmt::format("axis {} came twice, expected each once",
+        throw InvalidInput(where, fmt::format("axis {} is given twice, expected each once",
                                               to_string(axes[a].quantity)));
     const auto length = static_cast<Eigen::Index>(axes[a].values.size());
-    // The product of two numbers below the limit and of one below it again is no overflow.
-    if (length > kMostSchedulePoints || size * length > kMostSchedulePoints)
-      throw InvalidInput(where, fmt::format("the grid has more than {} points at axis {}, expected "
-                                            "no more: is a step too small?",
-                                            kMostSchedulePoints, to_string(axes[a].quantity)));
+    // Both factors are at most the limit when they are multiplied, so the product does not
+    // overflow.
+    if (length > kMaxSchedulePoints || size * length > kMaxSchedulePoints)
+      throw InvalidInput(where, fmt::format("the grid exceeds {} points at axis {}; is a "
+                                            "step too small?",
+                                            kMaxSchedulePoints, to_string(axes[a].quantity)));
     size *= length;
   }
   return size;
@@ -168,7 +171,7 @@ Gains GainSchedule::gains(Eigen::Index point) const {
 
 ScheduledGain GainSchedule::at(const Eigen::Ref<const Eigen::VectorXd>& values) const {
   if (values.size() != static_cast<Eigen::Index>(axes.size()))
-    throw InvalidInput("schedule", fmt::format("{} values came, expected {}, one for each axis",
+    throw InvalidInput("schedule", fmt::format("got {} values, expected {}, one for each axis",
                                                values.size(), axes.size()));
   ScheduledGain result;
   std::vector<internal::GridPlace<double>> places;
@@ -179,7 +182,7 @@ ScheduledGain GainSchedule::at(const Eigen::Ref<const Eigen::VectorXd>& values) 
       places.push_back(*place);
       continue;
     }
-    result.culprit = fmt::format("{} is {:.6g}, the grid reaches from {:.6g} to {:.6g}",
+    result.culprit = fmt::format("{} is {:.6g}, outside the grid's range from {:.6g} to {:.6g}",
                                  to_string(axes[a].quantity), value, axes[a].values.front(),
                                  axes[a].values.back());
     return result;

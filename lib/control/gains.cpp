@@ -43,14 +43,14 @@ void validate(const Gains& gains, const std::string& where) {
                        "own past commands");
   require_shape(memory.lag, nu, 1, where, "lag", "one entry per input");
   for (const double lag : memory.lag)
-    if (!(lag > 0) || !(lag <= kMostActuatorLag))
+    if (!(lag > 0) || !(lag <= kMaxActuatorLag))
       throw InvalidInput(where, fmt::format("lag is {} s, expected more than 0, at most {} s", lag,
-                                            kMostActuatorLag));
+                                            kMaxActuatorLag));
   require_shape(memory.K_lag, nu, nu, where, "K_lag", "inputs: " + names(gains.inputs));
   require_finite(memory.K_lag, where, "K_lag");
-  if (memory.past < 0 || memory.past > kMostPastCommands)
+  if (memory.past < 0 || memory.past > kMaxPastCommands)
     throw InvalidInput(where, fmt::format("past is {}, expected 0 to {} control periods",
-                                          memory.past, kMostPastCommands));
+                                          memory.past, kMaxPastCommands));
   require_shape(memory.K_past, nu, nu * memory.past, where, "K_past",
                 fmt::format("past: {}; inputs: {}", memory.past, names(gains.inputs)));
   require_finite(memory.K_past, where, "K_past");
@@ -77,7 +77,7 @@ int index_of(const std::vector<Signal>& signals, const std::string& name) {
                      fmt::format("no state '{}' in the plant, expected {}", name, names(signals)));
 }
 
-/// Adds the law's memory of its own commands, u = -C x: the actuators' states m, then past
+/// Adds the law's memory of its own commands, u = -C x: the actuators' states m, then the past
 /// commands.
 void remember(const CommandMemory& memory, DiscreteLti& loop) {
   const Eigen::Index n = loop.A.rows(), nu = loop.C.rows(), past = memory.past;
@@ -133,8 +133,8 @@ DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   for (const Signal& state : gains.states) order.push_back(index_of(plant.states, state.name));
   const double sign = gains.sign_law == SignLaw::set_point_minus_state ? -1 : 1;
 
-  // With s = -1 for set point minus state: [x; i]⁺ = [A, 0; s dt E, I] [x; i] + [B; 0] u, and
-  // u = s K x + K_int i comes back.
+  // With s = -1 for set point minus state: [x; i]⁺ = [A, 0; s dt E, I] [x; i] + [B; 0] u; the
+  // output of the loop is s K x + K_int i.
   DiscreteLti loop;
   loop.dt = plant.dt;
   loop.A = Eigen::MatrixXd::Identity(nx + ni, nx + ni);

@@ -29,15 +29,15 @@ AllocationRule allocation_rule(const std::string& name, const std::string& where
 ThrustLimits<double> thrust_limits(const Vehicle& vehicle) {
   const Allocation<double> hover = allocation(vehicle);
   ThrustLimits<double> limits;
-  double least = 0;
+  double min = 0;
   for (int i = 0; i < hover.rotors; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    limits.least[k] = rotor_thrust(vehicle.rotors[k], least_speed(vehicle));
-    limits.greatest[k] = rotor_thrust(vehicle.rotors[k], greatest_speed(vehicle));
-    least += limits.least[k];
+    limits.min[k] = rotor_thrust(vehicle.rotors[k], min_speed(vehicle));
+    limits.max[k] = rotor_thrust(vehicle.rotors[k], max_speed(vehicle));
+    min += limits.min[k];
   }
-  // A vehicle whose motors idle above the floor cannot go below its idle.
-  limits.floor = std::max(kLeastCollective * vehicle.mass * vehicle.gravity, least);
+  // If the motors' idle thrust is above the floor, the idle thrust is the lower bound.
+  limits.floor = std::max(kMinCollective * vehicle.mass * vehicle.gravity, min);
   return limits;
 }
 

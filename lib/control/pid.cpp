@@ -18,12 +18,12 @@ void require_finite(double value, const char* name, const std::string& where) {
 template <class Scalar>
 void require_ordered(Scalar low, Scalar high, const char* name, const std::string& where) {
   if (!(low <= high))
-    throw InvalidInput(where, fmt::format("{0}_min is {1} and {0}_max {2}, expected the first to "
-                                          "be no larger because they are limits",
+    throw InvalidInput(where, fmt::format("{0}_min is {1} and {0}_max {2}, expected the minimum "
+                                          "not to exceed the maximum",
                                           name, low, high));
 }
 
-/// The pole of the sampled filter must lie within the unit circle.
+/// Checks that the pole of the sampled filter is within the unit circle.
 template <class Scalar>
 void require_stable_filter(const PidSettings<Scalar>& settings, const std::string& where) {
   if (settings.derivative != PidDerivative::filtered) return;
@@ -32,7 +32,7 @@ void require_stable_filter(const PidSettings<Scalar>& settings, const std::strin
     case PidMethod::forward_euler:
       if (!(2 * Tf > settings.dt))
         throw InvalidInput(where, fmt::format("Tf is {} s, expected more than dt/2 = {} s because "
-                                              "forward Euler makes the filter unstable otherwise",
+                                              "otherwise forward Euler makes the filter unstable",
                                               Tf, settings.dt / 2));
       return;
     case PidMethod::backward_euler:
@@ -43,9 +43,9 @@ void require_stable_filter(const PidSettings<Scalar>& settings, const std::strin
       return;
     case PidMethod::tustin:
       if (!(Tf > 0))
-        throw InvalidInput(where, fmt::format("Tf is {} s, expected more than 0 because Tustin's "
-                                              "rule makes a derivative without filter ring for "
-                                              "ever",
+        throw InvalidInput(where, fmt::format("Tf is {} s, expected more than 0 because with "
+                                              "Tustin's rule an unfiltered derivative rings "
+                                              "forever",
                                               Tf));
       return;
   }
@@ -72,14 +72,14 @@ void validate_pid(const PidSettings<Scalar>& settings, const std::string& where)
 }
 
 /// proportional + integral · Ki dt (now z + before)/(z - 1)
-///              + difference · gain (z - 1)/(z - pole), over one denominator
+///              + difference · gain (z - 1)/(z - pole), over a common denominator
 DiscreteTransferFunction combine(const PidSettings<double>& settings, double proportional,
                                  double integral, double difference) {
   const PidQuadrature<double> weight = pid_quadrature<double>(settings.method);
   const PidDifference<double> d = pid_difference(settings);
   const double i = settings.Ki * settings.dt * integral;
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
-  // A part that is switched off brings no pole: it would cancel against a zero.
+  // A part that is disabled must not add a pole, which would cancel with a zero.
   const Eigen::VectorXd z_1 = i != 0 ? Eigen::VectorXd(Eigen::Vector2d(1, -1)) : one;
   const Eigen::VectorXd z_pole =
       difference * d.gain != 0 ? Eigen::VectorXd(Eigen::Vector2d(1, -d.pole)) : one;

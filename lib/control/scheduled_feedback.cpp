@@ -22,7 +22,7 @@ double nearest(const ScheduleAxis& axis, double value) {
   return std::clamp(value, axis.values.front(), axis.values.back());
 }
 
-/// The vehicle's own mass and air are those that the law knows.
+/// Mass and density have the vehicle's own values, the only ones that the law knows.
 Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, double climb,
                                double yaw_rate) {
   Eigen::VectorXd values(std::ssize(schedule.axes));
@@ -37,8 +37,8 @@ Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, doubl
   return values;
 }
 
-/// A gain for another mass or another air would fly with the wrong thrust at hover.
-void require_own_vehicle(const GainSchedule& schedule) {
+/// Gains for another mass or air density have the wrong thrust at hover.
+void require_unscaled_vehicle(const GainSchedule& schedule) {
   constexpr double kRounding = 1e-9;
   for (const ScheduleAxis& axis : schedule.axes) {
     const bool ratio =
@@ -47,21 +47,21 @@ void require_own_vehicle(const GainSchedule& schedule) {
       throw InvalidInput(
           "schedule",
           fmt::format("{} is {} to {} of the vehicle's, expected a range that contains "
-                      "1, because the law takes the vehicle to be as its file says",
+                      "1 because the law assumes the mass and air density of the vehicle file",
                       to_string(axis.quantity), axis.values.front(), axis.values.back()));
   }
 }
 
-double turn_of_reference(double now, double before, double dt, double greatest) {
-  constexpr double kRounding = 1e-6;  // of a difference of two headings, as a share
+double turn_of_reference(double now, double before, double dt, double max) {
+  constexpr double kRounding = 1e-6;  // relative to a difference of two headings
   const double rate = (now - before) / dt;
-  return std::abs(rate) <= greatest * (1 + kRounding) ? rate : 0;
+  return std::abs(rate) <= max * (1 + kRounding) ? rate : 0;
 }
 
 }  // namespace
 
 Gains hover_gains(const GainSchedule& schedule) {
-  require_own_vehicle(schedule);
+  require_unscaled_vehicle(schedule);
   const Eigen::VectorXd at = nearest_values(schedule, 0, 0, 0);
   const ScheduledGain found = schedule.at(at);
   if (!found.found())
@@ -84,7 +84,7 @@ ScheduledFeedback::ScheduledFeedback(const Vehicle& vehicle,
   words_ = feedback_words(vehicle, gains);
   now_ = state_feedback_settings(vehicle, gains, dt, {});
   if (const ScheduleAxis* turn = axis_of(*schedule_, ScheduleQuantity::yaw_rate))
-    greatest_turn_ = std::max(std::abs(turn->values.front()), std::abs(turn->values.back()));
+    max_yaw_rate_ = std::max(std::abs(turn->values.front()), std::abs(turn->values.back()));
 }
 
 Eigen::VectorXd ScheduledFeedback::on_grid(const Vector3<double>& velocity, double heading,
@@ -113,7 +113,7 @@ void ScheduledFeedback::set(const Estimate<double>& estimate, const Reference<do
       words_.set_gain(found.K, found.K_int, now_);
   }
   const double turns =
-      turn_of_reference(reference.yaw, yaw_before_.value_or(reference.yaw), dt_, greatest_turn_);
+      turn_of_reference(reference.yaw, yaw_before_.value_or(reference.yaw), dt_, max_yaw_rate_);
   yaw_before_ = reference.yaw;
   at = on_grid(reference.velocity, reference.yaw, turns);
   if (trim_at_.size() == 0 || at != trim_at_) {

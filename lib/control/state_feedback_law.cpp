@@ -16,7 +16,7 @@ Eigen::Index index_in(const std::vector<Signal>& states, const std::string& name
   for (std::size_t i = 0; i < states.size(); ++i)
     if (states[i].name == name) return static_cast<Eigen::Index>(i);
   throw InvalidInput(
-      "gains", fmt::format("no state '{}' in their convention, expected {}", name, names(states)));
+      "gains", fmt::format("no state '{}' in the convention, expected {}", name, names(states)));
 }
 
 GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
@@ -31,7 +31,8 @@ GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
   return settings;
 }
 
-/// @param W  from the inputs of the gains' convention to quadtune's own: a signed permutation
+/// @param W  maps the inputs of the gains' convention to those of ned_convention(): a signed
+///           permutation
 void set_memory(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt,
                 StateFeedbackSettings<double>& settings) {
   const int n = settings.inputs;
@@ -55,21 +56,21 @@ const std::vector<IntegralGuard>& uquad_integral_guards() {
   return guards;
 }
 
-void FeedbackWords::set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
-                             StateFeedbackSettings<double>& settings) const {
+void FeedbackTransformation::set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
+                                      StateFeedbackSettings<double>& settings) const {
   const Eigen::Index nu = inputs.rows();
   settings.K.topLeftCorner(nu, 12) = law * inputs * K * states;
   settings.K_int.topLeftCorner(nu, integrals.size()) =
       law * inputs * K_int * integrals.asDiagonal();
 }
 
-void FeedbackWords::set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
-                             StateFeedbackSettings<double>& settings) const {
+void FeedbackTransformation::set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
+                                      StateFeedbackSettings<double>& settings) const {
   settings.x0 = states.transpose() * x0;
   settings.u0.head(inputs.rows()) = inputs * u0;
 }
 
-FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
+FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains) {
   validate(gains, "gains");
   const Convention& words = convention(gains.convention, "gains");
   const int rotors = static_cast<int>(vehicle.rotors.size());
@@ -77,15 +78,15 @@ FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
   if (rotors < 1 || rotors > kMaxRotors)
     throw InvalidInput("gains", fmt::format("'{}' has {} rotors, expected 1 to {}", vehicle.name,
                                             rotors, kMaxRotors));
-  if (gains.integrals.size() > static_cast<std::size_t>(kMostIntegrals))
+  if (gains.integrals.size() > static_cast<std::size_t>(kMaxIntegrals))
     throw InvalidInput("gains", fmt::format("{} integrals, expected at most {}, one for each state",
-                                            gains.integrals.size(), kMostIntegrals));
+                                            gains.integrals.size(), kMaxIntegrals));
   if (gains.K.rows() != inputs)
     throw InvalidInput("gains", fmt::format("K has {} rows, expected {}, one for each input of "
                                             "'{}'",
                                             gains.K.rows(), inputs, vehicle.name));
-  FeedbackWords result;
-  // A signed permutation, so its inverse is its transpose.
+  FeedbackTransformation result;
+  // The inverse of a signed permutation is its transpose.
   result.inputs = input_from_ned(words, gains.input_kind, rotors).transpose();
   result.law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
   result.states.resize(std::ssize(gains.states), 12);
@@ -103,10 +104,10 @@ FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
 StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, const Gains& gains,
                                                       double dt,
                                                       const std::vector<IntegralGuard>& guards) {
-  const FeedbackWords words = feedback_words(vehicle, gains);
+  const FeedbackTransformation words = feedback_words(vehicle, gains);
   if (gains.dt > 0 && std::abs(gains.dt - dt) > 1e-9 * dt)
-    throw InvalidInput("gains", fmt::format("their sample period is {} s, expected {} s, at which "
-                                            "the law shall run",
+    throw InvalidInput("gains", fmt::format("the sample period is {} s, expected {} s, the control "
+                                            "period of the law",
                                             gains.dt, dt));
   StateFeedbackSettings<double> settings;
   settings.input_kind = gains.input_kind;

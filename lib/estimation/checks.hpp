@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Refusals that the estimators' settings share.
+/// Checks that the settings of all estimators share.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace quadtune {
 
-/// @param name  of the setting, @param unit  with a leading space, or empty.
+/// @param name  of the setting, @param unit  with a leading space, or empty
 template <class T>
 void require_positive(T value, const char* name, const char* unit, const std::string& where) {
   if (!(value > 0) || !std::isfinite(value))
@@ -19,14 +19,14 @@ void require_positive(T value, const char* name, const char* unit, const std::st
                        fmt::format("{} is {}{}, expected a positive number", name, value, unit));
 }
 
-/// Infinity is accepted: no limit, never.
+/// Infinity is accepted and means no limit, or never.
 template <class T>
 void require_not_negative(T value, const char* name, const char* unit, const std::string& where) {
   if (!(value >= 0))
     throw InvalidInput(where, fmt::format("{} is {}{}, expected 0 or more", name, value, unit));
 }
 
-/// A variance that is infinite would make gains of NaN.
+/// An infinite variance would lead to gains of NaN.
 template <class T>
 void require_variance(T value, const char* name, const char* unit, const std::string& where) {
   if (!(value >= 0) || !std::isfinite(value))

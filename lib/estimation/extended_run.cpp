@@ -13,7 +13,7 @@ using Eigen::Index;
 
 namespace {
 
-constexpr int kMostPieces = 1000;  // into which a step is divided
+constexpr int kMaxPieces = 1000;  // maximum number of pieces of a step
 
 }  // namespace
 
@@ -46,13 +46,13 @@ std::optional<DrivenRecord> driven_record(const FilterModel& model, const Filter
     const double dt = record.time[static_cast<std::size_t>(k) + 1] - now;
     const Eigen::VectorXd u = mean ? Eigen::VectorXd(0.5 * (record.u.col(k) + record.u.col(k + 1)))
                                    : Eigen::VectorXd(record.u.col(k));
-    if (dt > kMostPieces * longest)
+    if (dt > kMaxPieces * longest)
       throw InvalidInput(
           record.name,
-          fmt::format("the inputs at {:.9g} s are followed by others after {:.4g} s, expected at "
+          fmt::format("the inputs at {:.9g} s are followed by the next after {:.4g} s, expected at "
                       "most {:.4g} s because the motion between them is integrated in steps of "
                       "{:.4g} s",
-                      now, dt, kMostPieces * longest, longest));
+                      now, dt, kMaxPieces * longest, longest));
     const int pieces = std::max(1, static_cast<int>(std::ceil(dt / longest - 1e-6)));
     for (int i = 0; i < pieces; ++i) {
       result.drive.dt.push_back(dt / pieces);
@@ -79,11 +79,11 @@ ExtendedFilter::ExtendedFilter(FilterModel model, const std::vector<FilterRecord
     driven_.push_back(std::move(*driven));
   }
   if (!driven_.empty()) return;
-  if (records.empty()) throw InvalidInput("logs", "none came, expected at least one");
-  Index most = 0;
-  for (const LeftOutRecord& record : left_out_) most = std::max(most, record.measurements);
+  if (records.empty()) throw InvalidInput("logs", "there are no records, expected at least one");
+  Index max = 0;
+  for (const LeftOutRecord& record : left_out_) max = std::max(max, record.measurements);
   throw InvalidInput(records.front().name,
-                     fmt::format("{} instants with measurements came{}, expected at least 2", most,
+                     fmt::format("{} instants with measurements{}, expected at least 2", max,
                                  records.size() > 1 ? " at most between two gaps" : ""));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An extended Kalman filter of 15 states over logs, written down as the linear model that has the
+/// An extended Kalman filter of 15 states over logs, linearized to the linear model that has the
 /// same innovations.
 #pragma once
 
@@ -22,30 +22,31 @@ inline constexpr int kExtendedStates = 15;
 using ExtendedVector = Eigen::Matrix<double, kExtendedStates, 1>;
 using ExtendedMatrix = Eigen::Matrix<double, kExtendedStates, kExtendedStates>;
 
-/// The inputs of one record, in steps between its measurements.
+/// The inputs of one record, divided into steps between its measurements.
 struct Drive {
   std::vector<double> dt;             ///< of each step [s]
   Eigen::MatrixXd u;                  ///< (nu × steps)
   std::vector<Eigen::Index> arrival;  ///< number of steps before each measurement
 };
 
-/// A record parted into its measurements and the steps between them.
+/// A record split into its measurements and the steps between them.
 struct DrivenRecord {
   FilterRecord measured;  ///< instants with measurements only; u is 0
   Drive drive;
-  std::size_t of = 0;      ///< index of the whole record
-  Eigen::Index first = 0;  ///< the first measurement's instant in it
+  std::size_t of = 0;      ///< index of the original record
+  Eigen::Index first = 0;  ///< index of the first measurement's instant in it
 };
 
-/// @param mean     whether inputs were sampled at both ends of a step, or hold over it
-/// @param longest  longest step [s]; longer ones are divided
-/// @return         nothing for fewer than two instants with measurements
-/// @throws InvalidInput  as validate_samples(); for a step of more than a thousand times `longest`
+/// @param mean     true: inputs are samples at both ends of a step; false: they are constant over
+///                 it
+/// @param longest  maximum step [s]; longer ones are divided
+/// @return         empty if there are fewer than two instants with measurements
+/// @throws InvalidInput  as validate_samples(); if a step is more than a thousand times `longest`
 [[nodiscard]] std::optional<DrivenRecord> driven_record(const FilterModel& model,
                                                         const FilterRecord& record, bool mean,
                                                         double longest);
 
-/// An extended filter of 15 states over its logs.
+/// Base of extended filters of 15 states over logs.
 class ExtendedFilter : public NonlinearFilter {
  public:
   [[nodiscard]] const FilterModel& model() const override { return model_; }
@@ -57,13 +58,13 @@ class ExtendedFilter : public NonlinearFilter {
   [[nodiscard]] const std::vector<LeftOutRecord>& left_out() const override { return left_out_; }
 
  protected:
-  /// Takes the records that driven_record() makes something of.
-  /// @throws InvalidInput  where it makes nothing of any
+  /// Keeps the records for which driven_record() returns a value.
+  /// @throws InvalidInput  if there is none
   ExtendedFilter(FilterModel model, const std::vector<FilterRecord>& records, bool mean,
                  double longest);
 
   /// Runs the filter over one of the records.
-  /// @return  false where a number left the range of a double, at `failed_at`
+  /// @return  false if a number exceeded the range of a double, at time `failed_at`
   [[nodiscard]] virtual bool run(std::size_t record, const Eigen::Ref<const Eigen::VectorXd>& theta,
                                  const std::function<bool()>& stop, FilterRecord& into,
                                  double& failed_at) const = 0;
@@ -76,27 +77,28 @@ class ExtendedFilter : public NonlinearFilter {
   std::vector<LeftOutRecord> left_out_;
 };
 
-/// The filters that there are; each refuses a model of other dynamics.
+/// Creates the two filters; each rejects a model of other dynamics.
 [[nodiscard]] std::unique_ptr<NonlinearFilter> inertial_filter(
     FilterModel model, const std::vector<FilterRecord>& records, const std::function<bool()>& stop);
 [[nodiscard]] std::unique_ptr<NonlinearFilter> rigid_body_filter(
     FilterModel model, const std::vector<FilterRecord>& records);
 
-/// Motion is the model: move() takes the state over a step of inputs and keeps what advance(),
-/// M ← F M, and add_noise(), N += G shape Gᵀ dt, need; observe() says what is measured at a state,
-/// with its slope; difference() is y less that; absorb() takes what a state stands for besides its
-/// number out of it; relate() puts what is true into the terms of the state before that.
+/// One run of an extended filter. Motion is the nonlinear model: move() propagates the state over a
+/// step of inputs and stores what advance(), M ← F M, and add_noise(), N += G shape Gᵀ dt, need;
+/// observe() returns the measurement expected at a state and its derivative; difference() subtracts
+/// it from y; absorb() moves the part of the state that Motion keeps itself (such as an attitude)
+/// from the state vector into Motion; relate() expresses true values in the states before absorb().
 template <class Motion>
 class ExtendedRun {
  public:
-  /// Where it begins: state and covariance of its error.
+  /// Initial state and covariance of its error.
   ExtendedVector x;
   ExtendedMatrix P;
 
-  double log_likelihood = 0;  ///< but for constants
-  double failed_at = 0;       ///< [s] where a number left the range of a double
+  double log_likelihood = 0;  ///< up to a constant
+  double failed_at = 0;       ///< [s] at which a number exceeded the range of a double
 
-  /// @param stop  asked now and then: run() ends with Interrupted where it returns true
+  /// @param stop  called periodically; run() ends with Interrupted if it returns true
   ExtendedRun(const FilterModel& model, const DrivenRecord& record,
               const Eigen::Ref<const Eigen::VectorXd>& theta, Motion motion,
               const std::function<bool()>& stop)
@@ -123,8 +125,8 @@ class ExtendedRun {
   }
 
   /// @param until  time at which to stop [s]
-  /// @param into   the linear model, or null
-  /// @return       false where a number left the range of a double
+  /// @param into   receives the linear model; may be null
+  /// @return       false if a number exceeded the range of a double
   bool run(double until, FilterRecord* into) {
     if (into != nullptr) {
       *into = record_;
@@ -159,7 +161,7 @@ class ExtendedRun {
  private:
   static constexpr Eigen::Index kAskedEvery = 1024;
 
-  /// By all measurements of an instant, linearized once for all of them.
+  /// Corrects by all measurements of an instant, linearized once for all of them.
   void correct(Eigen::Index k, Eigen::MatrixXd& C, FilterRecord* into) {
     const ExtendedVector predicted = x;
     C.setZero(R_.size(), kExtendedStates);
@@ -200,7 +202,7 @@ class ExtendedRun {
       motion_.move(drive_.dt[static_cast<std::size_t>(step)], drive_.u.col(step), x);
       motion_.advance(F);
       for (std::size_t t = 0; t < noises_.size(); ++t) {
-        if (step > begin) {  // before, there is none to be carried on
+        if (step > begin) {  // the first measurement has no step before it
           motion_.advance(noises_[t]);
           noises_[t].transposeInPlace();
           motion_.advance(noises_[t]);
@@ -220,7 +222,8 @@ class ExtendedRun {
   const Drive& drive_;
   Motion motion_;
   const std::function<bool()>& stop_;
-  std::vector<ExtendedMatrix> noises_;  ///< of each term over the steps to the next measurement
+  /// Per term, accumulated over the steps to the next measurement
+  std::vector<ExtendedMatrix> noises_;
   Eigen::VectorXd R_, gate_, student_, expected_;
   std::vector<double> variances_;
 };

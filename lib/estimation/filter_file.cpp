@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filter model files: docs/formats.md says what they hold.
+// Reads filter model files; docs/formats.md describes the format.
 #include "quadtune/estimation/filter_file.hpp"
 
 #include <fmt/format.h>
@@ -24,17 +24,17 @@ using Eigen::VectorXd;
 using internal::Range;
 using internal::TomlTable;
 
-/// "vz [m/s]" is a name and a unit.
+/// Splits "vz [m/s]" into a name and a unit.
 Signal signal_of(const std::string& text, const std::string& where) {
   const std::size_t open = text.find('[');
   std::string name = text.substr(0, open);
   while (name.ends_with(' ')) name.pop_back();
   const bool well_formed = open == std::string::npos || text.ends_with(']');
   if (name.empty() || !well_formed || name.find_first_of(" ,=") != std::string::npos)
-    throw InvalidInput(where,
-                       fmt::format("'{}' came, expected a name and, in brackets, its unit, as "
-                                   "in 'vz [m/s]'",
-                                   text));
+    throw InvalidInput(
+        where, fmt::format("'{}' is invalid, expected a name and, in brackets, its unit, as "
+                           "in 'vz [m/s]'",
+                           text));
   return {name, open == std::string::npos ? "" : text.substr(open + 1, text.size() - open - 2)};
 }
 
@@ -55,17 +55,18 @@ MatrixXd matrix_of(const TomlTable& table, const std::string& key, Index rows, I
   return result;
 }
 
-/// Keys that only some dynamics have.
+/// Rejects keys that are valid only for other dynamics.
 void refuse_keys(const TomlTable& file, const std::vector<const char*>& keys,
                  const std::string& dynamics) {
   for (const char* key : keys)
     if (file.has(key))
-      throw InvalidInput(file.where(key), fmt::format("{} came, expected none because the dynamics "
-                                                      "are '{}'",
-                                                      key, dynamics));
+      throw InvalidInput(file.where(key),
+                         fmt::format("{} is given, expected no such key because the dynamics "
+                                     "are '{}'",
+                                     key, dynamics));
 }
 
-/// One [[Q]] or [[sensors.R]] table: which entries, and what of them is to be found.
+/// Reads one [[Q]] or [[sensors.R]] table: its entries and their parameters.
 class TermReader {
  public:
   TermReader(FilterModel& model, CovarianceModel& covariance, std::string prefix,
@@ -118,10 +119,10 @@ class TermReader {
     for (const std::string& name : table.texts("entries")) {
       const auto found = std::find(known.begin(), known.end(), name);
       if (found == known.end())
-        throw InvalidInput(
-            table.where("entries", chosen.size()),
-            fmt::format("'{}' in entries of {} is none, expected one of {}{}", name, table.title(),
-                        internal::joined(known, ", "), internal::did_you_mean(name, known)));
+        throw InvalidInput(table.where("entries", chosen.size()),
+                           fmt::format("'{}' in entries of {} is unknown, expected one of {}{}",
+                                       name, table.title(), internal::joined(known, ", "),
+                                       internal::did_you_mean(name, known)));
       chosen.push_back(static_cast<int>(found - known.begin()));
     }
     return chosen;
@@ -149,7 +150,7 @@ class TermReader {
     return static_cast<int>(model_.parameters.size()) - 1;
   }
 
-  /// The start of each chosen entry.
+  /// The start of each selected entry.
   static VectorXd variances(const TomlTable& table, const std::vector<int>& chosen) {
     const auto count = static_cast<Index>(chosen.size());
     if (!table.is_list("variance"))
@@ -167,9 +168,10 @@ class TermReader {
     if (table.has("parameter") && chosen.size() != 1)
       throw InvalidInput(
           table.where("parameter"),
-          fmt::format("parameter in {} names one of {}, expected kind = \"shared\", or "
-                      "a table for each entry",
-                      table.title(), chosen.size()));
+          fmt::format(
+              "parameter in {} names one parameter for {} entries, expected kind = \"shared\", or "
+              "a table for each entry",
+              table.title(), chosen.size()));
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       ScaledCovariance term{shape_of({chosen[i]}), 0};
       term.parameter = add_parameter(table, table.text_or("parameter", name_of({chosen[i]})),
@@ -201,10 +203,11 @@ class TermReader {
   void add_full(const TomlTable& table, const std::vector<int>& chosen) {
     const VectorXd starts = parameters_of_block(block_of(table, chosen));
     if (!starts.allFinite())
-      throw InvalidInput(table.where("covariance"),
-                         fmt::format("covariance in {} is not positive definite, expected one that "
-                                     "is",
-                                     table.title()));
+      throw InvalidInput(
+          table.where("covariance"),
+          fmt::format("covariance in {} is not positive definite, expected a matrix that "
+                      "is",
+                      table.title()));
     FullCovariance term{chosen, static_cast<int>(model_.parameters.size())};
     for (std::size_t i = 0, k = 0; i < chosen.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j)
@@ -278,7 +281,7 @@ FilterModel read_inertial(const TomlTable& file) {
   if (gravity.size() != 3 || gravity.isZero(0))
     throw InvalidInput(file.where("gravity_m_per_s2"),
                        "gravity is not a vector, expected three numbers in world axes, as in "
-                       "[0, 0, -9.81] where z points up");
+                       "[0, 0, -9.81] if z points up");
   return inertial_model(gravity);
 }
 

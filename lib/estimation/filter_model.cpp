@@ -24,7 +24,7 @@ void require_distinct(const std::vector<Signal>& signals, const std::string& kin
   std::set<std::string> seen;
   for (const Signal& signal : signals) {
     if (signal.name.empty())
-      throw InvalidInput(where, fmt::format("a {} has no name, expected one", kind));
+      throw InvalidInput(where, fmt::format("a {} has no name, expected a name for each", kind));
     if (!seen.insert(signal.name).second)
       throw InvalidInput(where, fmt::format("two {}s are called '{}', expected different names",
                                             kind, signal.name));
@@ -37,16 +37,16 @@ void require_covariance(const Eigen::MatrixXd& M, const std::string& name,
   require_symmetric(M, where, name);
   if (M.size() == 0) return;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(M, Eigen::EigenvaluesOnly);
-  const double least = eigen.eigenvalues()(0);
-  if (least < -1e-12 * M.cwiseAbs().maxCoeff())
-    throw InvalidInput(where, fmt::format("{} has the eigenvalue {:.3g}, expected none below 0 "
+  const double min = eigen.eigenvalues()(0);
+  if (min < -1e-12 * M.cwiseAbs().maxCoeff())
+    throw InvalidInput(where, fmt::format("{} has the eigenvalue {:.3g}, expected no negative one "
                                           "because it is a covariance",
-                                          name, least));
+                                          name, min));
 }
 
 void check_terms(const CovarianceModel& model, Index size, const std::string& name,
                  const FilterModel& of, std::vector<bool>& used, const std::string& where) {
-  require_shape(model.fixed, size, size, where, "the fixed part of " + name, "one row an entry");
+  require_shape(model.fixed, size, size, where, "the fixed part of " + name, "one row per entry");
   require_covariance(model.fixed, "the fixed part of " + name, where);
   const auto count = static_cast<int>(of.parameters.size());
   const auto use = [&](int parameter, bool logarithmic) {
@@ -62,7 +62,7 @@ void check_terms(const CovarianceModel& model, Index size, const std::string& na
     used[k] = true;
   };
   for (const ScaledCovariance& term : model.scaled) {
-    require_shape(term.shape, size, size, where, "a part of " + name, "one row an entry");
+    require_shape(term.shape, size, size, where, "a part of " + name, "one row per entry");
     require_covariance(term.shape, "a part of " + name, where);
     use(term.parameter, true);
   }
@@ -87,9 +87,10 @@ void check_robustness(const FilterSensor& sensor, const std::string& of, const s
                                           "noise is correlated",
                                           of, sensor.student));
   if (!(sensor.gate >= 4))
-    throw InvalidInput(where, fmt::format("the gate of {} is {}, expected at least 4, two standard "
-                                          "deviations, because what is refused is not learnt from",
-                                          of, sensor.gate));
+    throw InvalidInput(
+        where, fmt::format("the gate of {} is {}, expected at least 4, two standard "
+                           "deviations, because rejected measurements do not affect the estimates",
+                           of, sensor.gate));
 }
 
 void check_parameters(const FilterModel& model, const std::string& where) {
@@ -151,9 +152,9 @@ void validate(const FilterModel& model, const std::string& where) {
   require_distinct(model.states, "state", where);
   require_distinct(model.inputs, "input", where);
   require_distinct(model.noises, "noise", where);
-  require_shape(model.A, nx, nx, where, "A", "one row and column a state");
-  require_shape(model.B, nx, nu, where, "B", "one row a state, one column an input");
-  require_shape(model.G, nx, nw, where, "G", "one row a state, one column a noise");
+  require_shape(model.A, nx, nx, where, "A", "one row and column per state");
+  require_shape(model.B, nx, nu, where, "B", "one row per state, one column per input");
+  require_shape(model.G, nx, nw, where, "G", "one row per state, one column per noise");
   for (const auto& [matrix, name] :
        {std::pair(&model.A, "A"), std::pair(&model.B, "B"), std::pair(&model.G, "G")})
     require_finite(*matrix, where, name);
@@ -176,16 +177,17 @@ void validate(const FilterModel& model, const std::string& where) {
     const auto ny = static_cast<Index>(sensor.outputs.size());
     if (ny < 1) throw InvalidInput(where, of + " has no outputs, expected at least one");
     all.insert(all.end(), sensor.outputs.begin(), sensor.outputs.end());
-    require_shape(sensor.C, ny, nx, where, "C of " + of, "one row an output, one column a state");
+    require_shape(sensor.C, ny, nx, where, "C of " + of,
+                  "one row per output, one column per state");
     require_finite(sensor.C, where, "C of " + of);
     for (Index i = 0; i < ny; ++i)
       if (sensor.C.row(i).isZero(0))
-        throw InvalidInput(where, fmt::format("C of {} has only zeros in row {}, expected that the "
-                                              "measurement sees a state",
+        throw InvalidInput(where, fmt::format("C of {} has only zeros in row {}, expected a "
+                                              "measurement that depends on a state",
                                               of, i + 1));
     if (sensor.D.size() > 0) {
       require_shape(sensor.D, ny, nu, where, "D of " + of,
-                    "one row an output, one column an input");
+                    "one row per output, one column per input");
       require_finite(sensor.D, where, "D of " + of);
     }
     check_terms(sensor.R, ny, "R of " + of, model, used, where);
@@ -203,16 +205,17 @@ void validate(const FilterModel& model, const std::string& where) {
   require_distinct(all, "output", where);
   for (std::size_t i = 0; i < used.size(); ++i)
     if (!used[i])
-      throw InvalidInput(where, fmt::format("parameter '{}' is in no covariance, expected one that "
-                                            "changes with it",
-                                            model.parameters[i].name));
+      throw InvalidInput(where,
+                         fmt::format("parameter '{}' is not used, expected a covariance that "
+                                     "depends on it",
+                                     model.parameters[i].name));
 
-  require_shape(model.x0, nx, 1, where, "the initial state", "one entry a state");
+  require_shape(model.x0, nx, 1, where, "the initial state", "one entry per state");
   require_finite(model.x0, where, "the initial state");
-  require_shape(model.P0, nx, nx, where, "the initial covariance", "one row a state");
+  require_shape(model.P0, nx, nx, where, "the initial covariance", "one row per state");
   require_covariance(model.P0, "the initial covariance", where);
   if (static_cast<Index>(model.diffuse.size()) != nx)
-    throw InvalidInput(where, fmt::format("{} states are said to be diffuse or not, expected {}",
+    throw InvalidInput(where, fmt::format("diffuse has {} entries, expected {}, one per state",
                                           model.diffuse.size(), nx));
   for (Index i = 0; i < nx; ++i)
     if (model.diffuse[static_cast<std::size_t>(i)] && !model.P0.row(i).isZero(0))

@@ -23,17 +23,18 @@ void check_times(const FilterRecord& record, const FilterModel& model, const std
     const double step = t - record.time[k - 1];
     if (!(step > 0))
       throw InvalidInput(where,
-                         fmt::format("the time goes from {} s to {} s at sample {}, expected "
-                                     "that it increases",
+                         fmt::format("the time changes from {} s to {} s at sample {}, expected "
+                                     "increasing times",
                                      record.time[k - 1], t, k + 1));
     if (model.dt > 0) {
       const double periods = step / model.dt;
-      // A clock may be off by a thousandth, and jitter by a tenth of a period.
+      // Allow a clock error of 0.1 % and a jitter of a tenth of a period.
       if (std::abs(periods - std::round(periods)) > 0.1 + 1e-3 * periods || periods < 0.5)
         throw InvalidInput(
-            where, fmt::format("from sample {} to {} it is {:.6g} s, expected a multiple of the "
-                               "model's period {} s because it is discrete",
-                               k, k + 1, step, model.dt));
+            where,
+            fmt::format("the time from sample {} to {} is {:.6g} s, expected a multiple of the "
+                        "model's period {} s because it is discrete",
+                        k, k + 1, step, model.dt));
     }
   }
 }
@@ -49,7 +50,7 @@ void check_linearized(const FilterRecord& record, const FilterModel& model,
   }
   const auto nx = static_cast<Index>(model.states.size());
   if (record.linearized.size() != record.time.size())
-    throw InvalidInput(where, fmt::format("{} linearized instants came, expected {}",
+    throw InvalidInput(where, fmt::format("there are {} linearized instants, expected {}",
                                           record.linearized.size(), record.time.size()));
   if (!model.Q.fixed.isZero(0) || !model.Q.full.empty())
     throw InvalidInput(where,
@@ -63,22 +64,22 @@ void check_linearized(const FilterRecord& record, const FilterModel& model,
                                      sensor.name, model.name));
   for (const FilterSensor& sensor : model.sensors)
     if (!is_diagonal(sensor.R))
-      throw InvalidInput(where,
-                         fmt::format("R of {} is not diagonal, expected it because the model "
-                                     "is linearized",
-                                     sensor.name));
+      throw InvalidInput(
+          where, fmt::format("R of {} is not diagonal, expected a diagonal one because the model "
+                             "is linearized",
+                             sensor.name));
   for (const LinearizedInstant& at : record.linearized) {
-    require_shape(at.C, model.outputs(), nx, where, "C of an instant", "one row an output");
-    require_shape(at.F, nx, nx, where, "F of an instant", "one row a state");
-    require_shape(at.offset, nx, 1, where, "the offset of an instant", "one entry a state");
+    require_shape(at.C, model.outputs(), nx, where, "C of an instant", "one row per output");
+    require_shape(at.F, nx, nx, where, "F of an instant", "one row per state");
+    require_shape(at.offset, nx, 1, where, "the offset of an instant", "one entry per state");
     require_finite(at.C, where, "C of an instant");
     require_finite(at.F, where, "F of an instant");
     require_finite(at.offset, where, "the offset of an instant");
     if (at.noise.size() != model.Q.scaled.size())
-      throw InvalidInput(where, fmt::format("{} noises of an instant came, expected {}",
+      throw InvalidInput(where, fmt::format("an instant has {} noises, expected {}",
                                             at.noise.size(), model.Q.scaled.size()));
     for (const Eigen::MatrixXd& noise : at.noise) {
-      require_shape(noise, nx, nx, where, "a noise of an instant", "one row a state");
+      require_shape(noise, nx, nx, where, "a noise of an instant", "one row per state");
       require_finite(noise, where, "a noise of an instant");
     }
   }
@@ -87,9 +88,9 @@ void check_linearized(const FilterRecord& record, const FilterModel& model,
 void check_start(const FilterRecord& record, const FilterModel& model, const std::string& where) {
   if (!record.start) return;
   const auto nx = static_cast<Index>(model.states.size());
-  require_shape(record.start->x, nx, 1, where, "the state at the start", "one entry a state");
+  require_shape(record.start->x, nx, 1, where, "the state at the start", "one entry per state");
   require_finite(record.start->x, where, "the state at the start");
-  require_shape(record.start->P, nx, nx, where, "the covariance at the start", "one row a state");
+  require_shape(record.start->P, nx, nx, where, "the covariance at the start", "one row per state");
   require_finite(record.start->P, where, "the covariance at the start");
 }
 
@@ -111,16 +112,16 @@ void validate(const FilterRecord& record, const FilterModel& model, const std::s
 void validate_samples(const FilterRecord& record, const FilterModel& model,
                       const std::string& where) {
   const Index N = record.samples();
-  if (N == 0) throw InvalidInput(where, "no samples came, expected at least one");
+  if (N == 0) throw InvalidInput(where, "there are no samples, expected at least one");
   require_shape(record.y, model.outputs(), N, where, "the measurements",
-                "one row an output, one column a sample");
+                "one row per output, one column per sample");
   require_shape(record.u, static_cast<Index>(model.inputs.size()), N, where, "the inputs",
-                "one row an input, one column a sample");
+                "one row per input, one column per sample");
   require_finite(record.u, where, "the inputs");
   check_times(record, model, where);
   if (record.truth.size() > 0)
     require_shape(record.truth, static_cast<Index>(model.states.size()), N, where, "the truth",
-                  "one row a state, one column a sample");
+                  "one row per state, one column per sample");
   for (Index k = 0; k < N; ++k) {
     Index first = 0;
     for (const FilterSensor& sensor : model.sensors) {

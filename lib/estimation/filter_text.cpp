@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filter models back into the text of a file.
+// Writes filter models as text files.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -44,7 +44,7 @@ void put_signals(std::string& text, const std::string& key, const std::vector<Si
   text += fmt::format("{} = [{}]\n", key, internal::joined(words, ", "));
 }
 
-/// The parts of one covariance, in tables of that name.
+/// Writes the terms of one covariance as tables of that name.
 class TermWriter {
  public:
   TermWriter(std::string& text, const FilterModel& model, std::string table,
@@ -95,8 +95,8 @@ class TermWriter {
     for (const int i : chosen) plain(i, i) = 1;
     if (plain != term.shape)
       throw InvalidInput("filter model",
-                         "a part of a covariance has entries other than 1 on its "
-                         "diagonal, expected one that a file can say");
+                         "a term of a covariance has entries other than 1 on its "
+                         "diagonal, which the file format cannot express");
     begin(chosen);
     if (chosen.size() > 1) text_ += "kind = \"shared\"\n";
     put_parameter(model_.parameters[static_cast<std::size_t>(term.parameter)]);
@@ -173,7 +173,7 @@ std::string text_of_filter_model(const FilterModel& model,
   if (any_diffuse && !all_diffuse)
     throw InvalidInput("filter model",
                        "some states are diffuse and some are not, expected all or "
-                       "none because a file says it of all");
+                       "none because the file format has one setting for all");
   if (!any_diffuse)
     text += fmt::format("\n[initial]\nx = {}\nvariance = {}\n", numbers(model.x0.transpose()),
                         numbers(model.P0.diagonal().transpose()));

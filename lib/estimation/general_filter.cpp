@@ -11,14 +11,14 @@
 namespace quadtune {
 namespace {
 
-/// A second-order response is late by 2 ζ/ω for all that is slower than it.
+/// A second-order response delays signals that are slower than it by 2 ζ/ω.
 double lag_of_response(const SensorFaults& faults) {
   return faults.natural_frequency > 0 ? 2 * faults.damping / faults.natural_frequency : 0;
 }
 
 double square(double x) { return x * x; }
 
-/// Mean variance of a sample over `axes` axes after its scale factor is undone.
+/// Mean variance of a sample over `axes` axes after division by its scale factor.
 double variance_of(const SensorFaults& faults, int axes, double floor) {
   double sum = 0;
   for (int i = 0; i < axes; ++i)
@@ -30,13 +30,14 @@ double variance_of(const SensorFaults& faults, int axes, double floor) {
 InertialAid inertial(const SensorFaults& faults, double floor, double omitted, double walk,
                      double dt) {
   InertialAid aid;
-  const double held = std::max(0.0, 0.5 * (1 / faults.rate - dt));  // between two readings
+  // Mean time for which a reading is repeated
+  const double held = std::max(0.0, 0.5 * (1 / faults.rate - dt));
   aid.lag = faults.delay + lag_of_response(faults) + held;
   aid.scale = faults.scale;
   for (int i = 0; i < 3; ++i) {
     aid.variance(i) = (square(std::max(faults.noise(i), floor)) + square(faults.quantum) / 12) /
                       square(faults.scale(i));
-    // A reading in each control period is used at most.
+    // At most one reading per control period is used.
     aid.density(i) = std::sqrt(aid.variance(i) * std::max(1 / faults.rate, dt) + square(omitted));
   }
   aid.walk = walk;
@@ -52,18 +53,18 @@ void require_aid(const Aid& aid, const std::string& name, const char* unit, doub
                  const std::string& where) {
   require_positive(aid.variance, (name + ".variance").c_str(), unit, where);
   require_positive(aid.scale, (name + ".scale").c_str(), "", where);
-  if (!(aid.lag >= 0 && aid.lag <= kMostHistoryPeriods * dt * (1 + 1e-9)))
+  if (!(aid.lag >= 0 && aid.lag <= kMaxHistoryPeriods * dt * (1 + 1e-9)))
     throw InvalidInput(where,
                        fmt::format("{}.lag is {} s, expected 0 to {} control periods of {} s", name,
-                                   aid.lag, kMostHistoryPeriods, dt));
+                                   aid.lag, kMaxHistoryPeriods, dt));
 }
 
 void require_inertial(const InertialAid& aid, const std::string& name, double dt,
                       const std::string& where) {
-  if (!(aid.lag >= 0 && aid.lag <= kMostHorizonPeriods * dt * (1 + 1e-9)))
+  if (!(aid.lag >= 0 && aid.lag <= kMaxHorizonPeriods * dt * (1 + 1e-9)))
     throw InvalidInput(where,
                        fmt::format("{}.lag is {} s, expected 0 to {} control periods of {} s", name,
-                                   aid.lag, kMostHorizonPeriods, dt));
+                                   aid.lag, kMaxHorizonPeriods, dt));
   for (int i = 0; i < 3; ++i) require_positive(aid.scale(i), (name + ".scale").c_str(), "", where);
   for (int i = 0; i < 3; ++i) {
     require_variance(aid.density(i), (name + ".density").c_str(), "", where);
@@ -97,7 +98,7 @@ GeneralFilterSettings general_filter_settings(const Sensors& sensors, double dt,
   if (!sensors.accelerometer || !sensors.gyroscope)
     throw InvalidInput(
         "general filter",
-        fmt::format("there is no {}; expected one because the filter integrates its readings",
+        fmt::format("there is no {}, which is required because the filter integrates its readings",
                     sensors.gyroscope ? "accelerometer" : "gyroscope"));
   GeneralFilterSettings settings;
   settings.dt = dt;
@@ -114,13 +115,13 @@ GeneralFilterSettings general_filter_settings(const Sensors& sensors, double dt,
     aid.scale = flow.faults.scale.head<2>();
     aid.mean_square = {square(std::tan(flow.half_field_x)) / 3,
                        square(std::tan(flow.half_field_y)) / 3};
-    aid.least_height = std::max(flow.least_height, 0.05);
+    aid.min_height = std::max(flow.min_height, 0.05);
     settings.flow = aid;
   }
   if (sensors.sonar)
-    settings.range = RangeAid{aid_of(sensors.sonar->faults, 1, noise.range),
-                              sensors.sonar->least_range, sensors.sonar->greatest_range,
-                              std::max(std::cos(sensors.sonar->greatest_tilt), 0.1)};
+    settings.range =
+        RangeAid{aid_of(sensors.sonar->faults, 1, noise.range), sensors.sonar->min_range,
+                 sensors.sonar->max_range, std::max(std::cos(sensors.sonar->max_tilt), 0.1)};
   if (sensors.barometer) {
     const BarometerSensor& barometer = *sensors.barometer;
     PressureAid aid;
@@ -160,21 +161,21 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
     require_aid({flow.lag, flow.variance, flow.scale.minCoeff()}, "flow", " rad2/s2", settings.dt,
                 where);
     require_positive(flow.scale.maxCoeff(), "flow.scale", "", where);
-    require_positive(flow.least_height, "flow.least_height", " m", where);
+    require_positive(flow.min_height, "flow.least_height", " m", where);
     for (int i = 0; i < 2; ++i)
       require_variance(flow.mean_square(i), "flow.mean_square", "", where);
   }
   if (settings.range) {
     const RangeAid& range = *settings.range;
     require_aid(range.aid, "range", " m2", settings.dt, where);
-    if (!(range.least >= 0 && range.least < range.greatest))
+    if (!(range.min >= 0 && range.min < range.max))
       throw InvalidInput(where, fmt::format("range.least is {} m and range.greatest {} m, expected "
                                             "0 or more and the first to be smaller",
-                                            range.least, range.greatest));
-    if (!(range.least_cosine > 0 && range.least_cosine <= 1))
+                                            range.min, range.max));
+    if (!(range.min_cosine > 0 && range.min_cosine <= 1))
       throw InvalidInput(where, fmt::format("range.least_cosine is {}, expected more than 0 and at "
                                             "most 1",
-                                            range.least_cosine));
+                                            range.min_cosine));
   }
   if (settings.pressure) {
     require_aid(settings.pressure->aid, "pressure", " m2", settings.dt, where);

@@ -23,16 +23,18 @@ using Eigen::VectorXd;
 using internal::ExtendedMatrix;
 using internal::ExtendedVector;
 
-/// Time before the first measurement in which the mean accelerometer shows the tilt [s].
+/// Time before the first measurement over which the accelerometer is averaged to compute the tilt
+/// [s].
 constexpr double kLevelling = 1;
-/// Longer steps of the inertial sensors are divided [s].
-constexpr double kLongestStep = 0.02;
-/// Directions that the vehicle may face at the start, and over how long they are compared [s].
+/// Maximum step of the inertial sensors; longer ones are divided [s].
+constexpr double kMaxStep = 0.02;
+/// Number of candidate headings at the start, and the time over which they are compared [s].
 constexpr int kHeadings = 12;
 constexpr double kComparison = 30;
 
-/// Variances at the start: tilt, velocity, position, offsets of gyroscope and accelerometer, as a
-/// vehicle that stands or hovers has with any sensors; and the direction between two of kHeadings.
+/// Initial variances: tilt, velocity, position, gyroscope and accelerometer biases, for a vehicle
+/// that is stationary or hovers, with any sensors; kHeading covers the spacing of kHeadings
+/// headings.
 constexpr double kTilt = 0.01, kHeading = 0.1, kSpeed = 1, kPlace = 1e6, kGyro = 0.01, kForce = 0.1;
 
 Matrix3d rotation(const Vector3d& turn) {
@@ -41,12 +43,12 @@ Matrix3d rotation(const Vector3d& turn) {
   return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
-/// The attitude in which a body at rest feels this force, facing anywhere.
+/// An attitude in which a body at rest measures this force; the heading is arbitrary.
 Matrix3d level(const Vector3d& force, const Vector3d& gravity) {
   return Eigen::Quaterniond::FromTwoVectors(force, -gravity).toRotationMatrix();
 }
 
-/// Errors about an attitude that is kept beside the state.
+/// Errors relative to an attitude that is stored outside the state vector.
 class InertialMotion {
  public:
   InertialMotion(const FilterModel& model, const Matrix3d& attitude)
@@ -95,7 +97,8 @@ class InertialMotion {
   }
   static double difference(Index, double y, double expected) { return y - expected; }
 
-  /// From the true attitude's rotation vector the true turn, which is from the attitude kept here.
+  /// Converts the rotation vector of the true attitude to the rotation from the stored attitude to
+  /// it.
   void relate(const FilterRecord& record, Index k, const ExtendedVector&,
               FilterRecord& into) const {
     const Vector3d truth = record.truth.col(k).segment<3>(kInertialAttitude);
@@ -104,7 +107,7 @@ class InertialMotion {
     into.truth.col(k).segment<3>(kInertialAttitude) = turn.angle() * turn.axis();
   }
 
-  /// The turn goes into the attitude.
+  /// Moves the rotation from the state vector into the stored attitude.
   void absorb(ExtendedVector& x) {
     attitude_ = rotation(x.head<3>()) * attitude_;
     x.head<3>().setZero();
@@ -162,13 +165,14 @@ namespace {
 void check_inertial(const FilterModel& model) {
   for (const FilterSensor& sensor : model.sensors)
     if (!sensor.C.leftCols<3>().isZero(0))
-      throw InvalidInput("filter model",
-                         fmt::format("C of sensor '{}' sees the turn, expected zeros in its first "
-                                     "three columns because the attitude is no vector",
-                                     sensor.name));
+      throw InvalidInput(
+          "filter model",
+          fmt::format("C of sensor '{}' depends on the rotation, expected zeros in its first "
+                      "three columns because the attitude is not a vector",
+                      sensor.name));
 }
 
-/// The mean force in the time before the first measurement.
+/// Mean specific force in the time before the first measurement.
 Vector3d mean_force(const FilterRecord& record, Index first) {
   Vector3d sum = Vector3d::Zero();
   Index count = 0;
@@ -182,13 +186,13 @@ Vector3d mean_force(const FilterRecord& record, Index first) {
   return sum / static_cast<double>(count);
 }
 
-/// What is not known is which way it faces: a turn about gravity.
+/// Adds the initial uncertainty of the tilt and, about gravity, of the heading.
 void doubt_heading(const FilterModel& model, InertialRun& run) {
   const Vector3d up = model.gravity->normalized();
   run.P.block<3, 3>(0, 0) += kTilt * Matrix3d::Identity() + kHeading * up * up.transpose();
 }
 
-/// Of kHeadings directions, that which the measurements like best.
+/// The candidate heading with the largest likelihood of the measurements.
 Matrix3d attitude_at_start(const FilterModel& model, const internal::DrivenRecord& driven,
                            const Matrix3d& tilt, const std::function<bool()>& stop) {
   Matrix3d result = tilt;
@@ -211,7 +215,7 @@ class InertialFilter final : public internal::ExtendedFilter {
  public:
   InertialFilter(FilterModel model, const std::vector<FilterRecord>& records,
                  const std::function<bool()>& stop)
-      : ExtendedFilter(std::move(model), records, true, kLongestStep) {
+      : ExtendedFilter(std::move(model), records, true, kMaxStep) {
     for (const internal::DrivenRecord& driven : driven_)
       attitude_.push_back(attitude_at_start(
           model_, driven, level(mean_force(records[driven.of], driven.first), *model_.gravity),

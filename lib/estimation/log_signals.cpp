@@ -19,7 +19,7 @@ namespace {
 using internal::OwnSignal;
 using internal::printable;
 
-/// Those of the first rows: all there are of a log of one table.
+/// Groups that are known from the first rows; for a log of one table these are all groups.
 std::vector<LogGroup> first_groups(const std::string& path, const LogOptions& options) {
   const std::unique_ptr<LogReader> reader = open_log(path, options);
   LogBlock block;
@@ -32,7 +32,7 @@ bool is_input(const FilterModel& model, const std::string& signal) {
                      [&](const Signal& input) { return input.name == signal; });
 }
 
-/// The values that several series of one table make where all have one.
+/// Combines several series of one table, at the times at which all of them have a value.
 LogSeries combined(const OwnSignal& signal, const std::vector<const LogSeries*>& of) {
   LogSeries result{signal.from, signal.unit, true, {}, {}};
   std::vector<std::size_t> next(of.size(), 0);
@@ -65,10 +65,11 @@ FedSignals read_own_log(const std::string& path, const FilterModel& model,
     const OwnSignal* there = internal::first_that_is_there(own, groups);
     if (there == nullptr) {
       if (!is_input(model, signal.name)) continue;
-      throw InvalidInput(path, fmt::format("this flight log has nothing for the input '{}' of the "
-                                           "model '{}', expected a channel named for it{}",
-                                           signal.name, model.name,
-                                           own.empty() ? "" : ", or a vehicle with such a sensor"));
+      throw InvalidInput(path,
+                         fmt::format("this flight log has no channel for the input '{}' of the "
+                                     "model '{}', expected a channel mapped to it{}",
+                                     signal.name, model.name,
+                                     own.empty() ? "" : ", or a vehicle with such a sensor"));
     }
     chosen.emplace_back(signal.name, *there);
     for (const std::string& channel : there->channels)
@@ -83,7 +84,7 @@ FedSignals read_own_log(const std::string& path, const FilterModel& model,
     for (const Signal& signal : signals)
       if (is_output(signal.name)) outputs.push_back(signal.name);
     throw InvalidInput(path,
-                       fmt::format("this flight log has nothing for {} of the model '{}', "
+                       fmt::format("this flight log has no channel for {} of the model '{}', "
                                    "expected --map {}=CHANNEL",
                                    internal::joined(outputs, ", "), model.name, outputs.front()));
   };
@@ -98,7 +99,7 @@ FedSignals read_own_log(const std::string& path, const FilterModel& model,
       of.push_back(&log.series[static_cast<std::size_t>(
           std::find(channels.begin(), channels.end(), channel) - channels.begin())]);
     LogSeries series = combined(own, of);
-    // A sensor that never had anything to say measured nothing.
+    // Omit a sensor that never provided a sample.
     if (series.values.empty() && !is_input(model, name)) continue;
     result.signals.push_back({{name, std::move(series)}, own.from});
   }
@@ -108,7 +109,7 @@ FedSignals read_own_log(const std::string& path, const FilterModel& model,
   return result;
 }
 
-/// Refuses a channel that has the signal's name by chance.
+/// Rejects a channel whose name equals that of the signal only by chance.
 void require_meant(const std::string& path, const FilterModel& model, const Signal& signal,
                    const LogSeries& series, const std::vector<LogGroup>& groups) {
   for (const LogGroup& group : groups)
@@ -117,14 +118,14 @@ void require_meant(const std::string& path, const FilterModel& model, const Sign
           internal::may_be_anything(signal, channel, group))
         throw InvalidInput(
             path,
-            fmt::format("'{}' of the model '{}' stands for any quantity, and the channel '{}' "
-                        "{}may be another one, expected --map {}=CHANNEL to say which is meant",
+            fmt::format("'{}' of the model '{}' can be any quantity, and the channel '{}' "
+                        "{}may be a different one, expected --map {}=CHANNEL to select the channel",
                         signal.name, model.name, printable(series.name),
                         channel.unit.empty() ? "" : fmt::format("[{}] ", printable(channel.unit)),
                         signal.name));
 }
 
-/// What of a truth is another number in a world with z up: y and z of vectors, and the attitude.
+/// True values that differ in a world where z points up: y and z of vectors, and the attitude.
 constexpr std::array<const char*, 11> kTurned = {"y",  "z",  "vy",   "vz",    "qw", "qx",
                                                  "qy", "qz", "roll", "pitch", "yaw"};
 
@@ -136,10 +137,11 @@ void require_same_world(const std::string& path, const FilterModel& model, const
       std::find(kTurned.begin(), kTurned.end(), state) == kTurned.end())
     return;
   throw InvalidInput(
-      path, fmt::format("a truth for '{}' came from this flight log, whose world has z down, and "
-                        "the world of the model '{}' has z up, expected a model with gravity "
-                        "along +z, such as inertial-ned",
-                        state, model.name));
+      path,
+      fmt::format("the truth for '{}' is from this flight log, in whose world z points down, but "
+                  "in the world of the model '{}' z points up, expected a model with gravity "
+                  "along +z, such as inertial-ned",
+                  state, model.name));
 }
 
 FedSignals read_signals_by_name(const std::string& path, const FilterModel& model,

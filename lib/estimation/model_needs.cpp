@@ -16,22 +16,21 @@ namespace {
 
 using internal::common_unit;
 
-/// More names than these help nobody.
-constexpr std::size_t kMostCandidates = 6;
-constexpr std::size_t kMostListed = 6;
+/// Maximum number of names in a message.
+constexpr std::size_t kMaxCandidates = 6;
+constexpr std::size_t kMaxListed = 6;
 
 std::string name_in(const LogSurvey& log, const LogChannelSurvey& channel) {
   return full_name(log.groups[channel.group].group, channel.channel);
 }
 
-/// What keeps a channel from being used at all; "" where nothing does.
+/// Why a channel cannot be used at all; empty if it can.
 std::string fault_of(const LogChannelSurvey& channel, const LogSurvey& log) {
   const LogTiming& timing = channel.timing;
-  if (!log.groups[channel.group].group.timed) return "has no time; --rate HZ gives a text one";
-  if (channel.samples < 2)
-    return channel.samples == 0 ? "never has a value" : "has one sample alone";
+  if (!log.groups[channel.group].group.timed) return "has no time; use --rate HZ for a text";
+  if (channel.samples < 2) return channel.samples == 0 ? "has no values" : "has only one sample";
   if (timing.duplicates + timing.backwards > 0)
-    return "has times that do not increase; --rate HZ gives a text others";
+    return "has times that do not increase; use --rate HZ for a text";
   return "";
 }
 
@@ -39,8 +38,8 @@ bool unit_agrees(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() || common_unit(a) == common_unit(b);
 }
 
-/// The channels of that name: the one whose full name it is, else all that are called so in their
-/// groups.
+/// The channels of that name: the one with this full name, or else all channels that have the name
+/// within their groups.
 std::vector<const LogChannelSurvey*> channels_named(const std::string& name, const LogSurvey& log) {
   std::vector<const LogChannelSurvey*> found;
   for (const LogChannelSurvey& channel : log.channels) {
@@ -55,8 +54,8 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Whether one of the names holds the other, or both begin with the same three letters. Single
-/// letters stand in too many names to say anything.
+/// Whether one of the names contains the other, or both begin with the same three letters. Single
+/// letters are part of too many names to be significant.
 bool alike(const std::string& signal, const std::string& channel) {
   const std::string a = lower(signal), b = lower(channel);
   if (a.size() < 2 || b.size() < 2) return a == b;
@@ -77,11 +76,11 @@ std::vector<std::string> candidates_for(const Signal& signal, const LogSurvey& l
       others.push_back(name_in(log, channel));
   }
   near.insert(near.end(), others.begin(), others.end());
-  if (near.size() > kMostCandidates) near.resize(kMostCandidates);
+  if (near.size() > kMaxCandidates) near.resize(kMaxCandidates);
   return near;
 }
 
-/// Fills in what feeds a signal, or what is missing.
+/// Determines the channel that feeds each signal, or what is missing.
 class Matcher {
  public:
   Matcher(const LogSurvey& log, bool z_up, ModelNeeds& needs)
@@ -97,7 +96,7 @@ class Matcher {
     if (found.size() > 1) {
       for (const LogChannelSurvey* channel : found)
         missing.candidates.push_back(name_in(log_, *channel));
-      missing.why = "stands in several tables";
+      missing.why = "is in several tables";
     } else if (found.size() == 1) {
       missing.why = fault_of(*found[0], log_);
       const std::string& unit = found[0]->channel.unit;
@@ -105,7 +104,7 @@ class Matcher {
         missing.why = fmt::format("is in {}, expected {}", unit, signal.unit);
       if (missing.why.empty() &&
           internal::may_be_anything(signal, found[0]->channel, groups_[found[0]->group])) {
-        missing.why = "stands for anything";
+        missing.why = "can be any quantity";
         missing.candidates = {name_in(log_, *found[0])};
       }
       if (missing.why.empty()) {
@@ -119,7 +118,7 @@ class Matcher {
   }
 
  private:
-  /// By what the vehicle's sensors are called in flight logs of quadtune.
+  /// Matches by the names of the vehicle's sensors in flight logs of quadtune.
   bool match_own(const Signal& signal, const std::string& sensor) {
     const std::vector<internal::OwnSignal> own = internal::own_signals(signal, z_up_);
     const internal::OwnSignal* there = internal::first_that_is_there(own, groups_);
@@ -147,7 +146,8 @@ std::string with_unit(const Signal& signal) {
   return signal.unit.empty() ? signal.name : fmt::format("{} [{}]", signal.name, signal.unit);
 }
 
-/// "az [m/s2], height [m] (is in cm, expected m)", with its sensor where several lack something.
+/// "az [m/s2], height [m] (is in cm, expected m)", with the sensor's name if signals of several
+/// sensors are missing.
 std::string list_of(const ModelNeeds& needs) {
   const std::string& last = needs.missing.back().sensor;
   const bool several = std::any_of(
@@ -160,9 +160,9 @@ std::string list_of(const ModelNeeds& needs) {
     if (!one.why.empty()) item += fmt::format(" ({})", one.why);
     items.push_back(std::move(item));
   }
-  if (items.size() > kMostListed) {
-    const std::size_t more = items.size() - kMostListed;
-    items.resize(kMostListed);
+  if (items.size() > kMaxListed) {
+    const std::size_t more = items.size() - kMaxListed;
+    items.resize(kMaxListed);
     items.push_back(fmt::format("{} more", more));
   }
   return fmt::format("{}", internal::joined(items, ", "));
@@ -184,7 +184,7 @@ std::vector<ModelSignals> signals_of_built_in_models() {
   return result;
 }
 
-ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log) {
+ModelNeeds model_needs(const ModelSignals& model, const LogSurvey& log) {
   ModelNeeds needs;
   needs.model = model.name;
   Matcher matcher(log, model.z_up, needs);
@@ -210,10 +210,10 @@ std::string to_text(const ModelNeeds& needs) {
                : text + (needs.own_log ? "; " : "; --map the measurements that are there, ") +
                      "without " + list_of(needs);
   }
-  std::string text = fmt::format("{}: needs {}; --map {}=CHANNEL names {} called otherwise",
+  std::string text = fmt::format("{}: needs {}; use --map {}=CHANNEL if {} named differently",
                                  needs.model, list_of(needs), needs.missing.front().signal.name,
-                                 needs.missing.size() == 1 ? "it if it is" : "one that is");
-  for (std::size_t i = 0; i < std::min(needs.missing.size(), kMostListed); ++i) {
+                                 needs.missing.size() == 1 ? "it is" : "one of them is");
+  for (std::size_t i = 0; i < std::min(needs.missing.size(), kMaxListed); ++i) {
     const MissingSignal& one = needs.missing[i];
     if (!one.candidates.empty())
       text +=

@@ -17,7 +17,7 @@ namespace {
 using Values = std::vector<double>;
 using Vector3d = Eigen::Vector3d;
 
-/// [m/s²], as the estimators on board take it.
+/// [m/s²], the value that the estimators on board use.
 constexpr double kGravity = 9.81;
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
@@ -52,7 +52,7 @@ Eigen::Matrix3d attitude(const Values& of, std::size_t from) {
   return rotation_of_euler(of[from], of[from + 1], of[from + 2]);
 }
 
-/// Without gravity, in world axes, by the attitude that the estimator on board believes.
+/// Acceleration without gravity, in world axes, computed with the attitude estimate on board.
 OwnSignal acceleration(int axis) {
   return {fmt::format("accelerometer.* along world {}", kAxes[static_cast<std::size_t>(axis)]),
           joined(kForce, kAngles), "m/s^2", [axis](const Values& of) {
@@ -61,7 +61,7 @@ OwnSignal acceleration(int axis) {
           }};
 }
 
-/// The horizontal velocity that the optical flow means, as on board.
+/// Horizontal velocity computed from the optical flow, as on board.
 OwnSignal flow_velocity(int axis) {
   return {fmt::format("flow.* as velocity along world {}", kAxes[static_cast<std::size_t>(axis)]),
           joined({"flow.x", "flow.y", "gyroscope.x", "gyroscope.y", "estimate.pz", "estimate.u",
@@ -76,10 +76,10 @@ OwnSignal flow_velocity(int axis) {
 
 OwnSignal tilt() {
   return {"accelerometer.* as roll", kForce, "rad",
-          [](const Values& of) { return tilt_of_force<double>(three(of, 0)).roll; }};
+          [](const Values& of) { return tilt_from_force<double>(three(of, 0)).roll; }};
 }
 
-/// "gyro_x" of "gyro_": 0; -1 for another.
+/// Axis in the name of a signal, e.g. 0 for "gyro_x" with the prefix "gyro_"; -1 for other names.
 int axis_of(const std::string& signal, const std::string& prefix) {
   for (int i = 0; i < 3; ++i)
     if (signal == prefix + kAxes[static_cast<std::size_t>(i)]) return i;
@@ -97,7 +97,7 @@ bool has_z_up(const FilterModel& model) { return model.gravity && model.gravity-
 
 namespace {
 
-/// Whatever the signal's unit is.
+/// Signals by name only, for any unit.
 std::vector<OwnSignal> named(const std::string& signal, bool z_up) {
   const auto sign = [&](int axis) { return z_up && axis > 0 ? -1.0 : 1.0; };
   const auto axes = [&](const std::string& prefix, const std::string& group,

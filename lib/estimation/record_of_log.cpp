@@ -20,9 +20,9 @@ namespace {
 
 using Eigen::Index;
 
-/// What is left of one signal's samples, in the order of their times.
+/// The remaining samples of one signal, in chronological order.
 struct Cursor {
-  const LogSeries* series = nullptr;  ///< null: none came
+  const LogSeries* series = nullptr;  ///< null: not given
   double delay = 0;
   std::size_t next = 0;
 };
@@ -47,8 +47,8 @@ class Builder {
     std::vector<FilterRecord> records = split();
     if (records.empty())
       throw InvalidInput(name_,
-                         "no measurement falls into the time of all inputs, expected some "
-                         "that do");
+                         "no measurement is within the time of all inputs, expected at least "
+                         "one");
     return records;
   }
 
@@ -64,7 +64,7 @@ class Builder {
                                internal::did_you_mean(use.signal, known_)));
       const auto k = static_cast<std::size_t>(found - known_.begin());
       if (of_signal_[k] != nullptr)
-        throw InvalidInput(name_, fmt::format("'{}' came twice, expected it once", use.signal));
+        throw InvalidInput(name_, fmt::format("'{}' is given twice, expected once", use.signal));
       of_signal_[k] = &use.series;
       const std::string unit = signal(k).unit;
       if (!unit.empty() && !use.series.unit.empty()) require_unit(use.series, unit, name_);
@@ -82,7 +82,7 @@ class Builder {
     if (!measured)
       throw InvalidInput(
           name_,
-          fmt::format("no measurement of the model '{}' came, expected one of "
+          fmt::format("no measurement of the model '{}' is given, expected one of "
                       "{}",
                       model_.name,
                       fmt::join(known_.begin() + static_cast<std::ptrdiff_t>(model_.inputs.size()),
@@ -112,32 +112,32 @@ class Builder {
       cursors_.push_back({of_signal_[k], delay});
       if (of_signal_[k] != nullptr) require_countable(*of_signal_[k], delay);
       if (is_input)
-        longest_hold_.push_back(internal::kLongestHold * internal::typical_period(*of_signal_[k]) /
+        longest_hold_.push_back(internal::kMaxHold * internal::typical_period(*of_signal_[k]) /
                                 unit_);
     }
   }
 
-  /// Instants are integers.
+  /// Instants are integers and must be in their range.
   void require_countable(const LogSeries& series, double delay) const {
-    constexpr double kMost = 4e18;
+    constexpr double kMax = 4e18;
     for (const double time : {series.time.front(), series.time.back()})
-      if (!(std::abs(time - delay - start_) < kMost * unit_))
+      if (!(std::abs(time - delay - start_) < kMax * unit_))
         throw InvalidInput(
             name_, fmt::format("'{}' has a sample {:.4g} s after the first of all{}, expected less "
-                               "than {:.2g} s because instants are told apart by {:.2g} s",
+                               "than {:.2g} s because instants are resolved to {:.2g} s",
                                internal::printable(series.name), time - start_,
                                delay != 0 ? fmt::format(" and a delay of {:.4g} s", delay) : "",
-                               kMost * unit_, unit_));
+                               kMax * unit_, unit_));
   }
 
   [[nodiscard]] static bool is_left(const Cursor& cursor) {
     return cursor.series != nullptr && cursor.next < cursor.series->time.size();
   }
-  /// Of its next sample.
+  /// Instant of the cursor's next sample.
   [[nodiscard]] std::int64_t instant(const Cursor& cursor) const {
     return std::llround((cursor.series->time[cursor.next] - cursor.delay - start_) / unit_);
   }
-  /// The next one of all; none where nothing is left.
+  /// The next instant of all cursors; empty if no samples remain.
   [[nodiscard]] std::optional<std::int64_t> next_instant() const {
     std::optional<std::int64_t> next;
     for (const Cursor& cursor : cursors_)
@@ -145,7 +145,8 @@ class Builder {
     return next;
   }
 
-  /// Instant by instant, from where all inputs are known to where one stays away too long.
+  /// Builds the records instant by instant, each from the time at which all inputs are known to a
+  /// gap of an input.
   std::vector<FilterRecord> split() {
     std::vector<FilterRecord> records;
     const std::size_t nu = model_.inputs.size();
@@ -153,12 +154,12 @@ class Builder {
     std::vector<double> held(nu, 0);
     std::vector<std::int64_t> since(nu, std::numeric_limits<std::int64_t>::min());
     Samples times, y, u;
-    std::size_t most = 0;  // instants, as a rule
+    std::size_t max = 0;  // expected number of instants
     for (const LogSeries* series : of_signal_)
-      if (series != nullptr) most = std::max(most, series->time.size());
-    times.reserve(most);
-    y.reserve(most * static_cast<std::size_t>(ny));
-    u.reserve(most * nu);
+      if (series != nullptr) max = std::max(max, series->time.size());
+    times.reserve(max);
+    y.reserve(max * static_cast<std::size_t>(ny));
+    u.reserve(max * nu);
     const auto finish = [&] {
       const auto N = static_cast<Index>(times.size());
       const bool measured =
@@ -168,7 +169,7 @@ class Builder {
                            SampleMatrix(std::move(u), static_cast<Index>(nu), N)});
       else if (measured && left_out_ != nullptr)
         left_out_->push_back({name_, times.front(), times.back(), N});
-      times = y = u = {};  // their memory, too
+      times = y = u = {};  // releases the memory, too
     };
     std::vector<double> row(static_cast<std::size_t>(ny));
     for (auto next = next_instant(); next; next = next_instant()) {
@@ -216,10 +217,10 @@ class Builder {
   std::vector<LeftOutRecord>* left_out_;
   double unit_;
   double start_ = 0;
-  std::vector<std::string> known_;  ///< inputs, then outputs
+  std::vector<std::string> known_;  ///< names: inputs, then outputs
   std::vector<const LogSeries*> of_signal_;
-  std::vector<Cursor> cursors_;       ///< as known_
-  std::vector<double> longest_hold_;  ///< of each input, in units of instants
+  std::vector<Cursor> cursors_;       ///< in the order of known_
+  std::vector<double> longest_hold_;  ///< per input, in units of instants
 };
 
 }  // namespace

@@ -26,20 +26,20 @@ using Eigen::Index;
 
 constexpr std::array<const char*, 4> kQuaternion = {"qw", "qx", "qy", "qz"};
 constexpr std::array<const char*, 3> kEuler = {"roll", "pitch", "yaw"};
-/// A quaternion of a rotation has the length 1 but for the digits that a log keeps.
+/// Tolerance of a quaternion's length, since a log has a limited number of digits.
 constexpr double kLengthError = 0.01;
 
-/// Where a time lies in a series: `share` of the way from sample `i` - 1 to `i`.
+/// Position of a time in a series: fraction `share` of the way from sample `i` - 1 to `i`.
 struct Between {
   std::size_t i = 0;
   double share = 0;
-  bool known = false;  ///< false outside of the series, in its gaps and far from its samples
+  bool known = false;  ///< false outside the series, in its gaps and far from its samples
 };
 
-/// Between two samples a line stands for the truth. It is right close to them alone, and may be far
-/// off in the middle where the samples are sparse.
-/// @param longest  that is interpolated over [s]
-/// @param near     how far from a sample the truth is known [s]
+/// Interpolates linearly between two samples. The result is accurate near them only and may be
+/// wrong in the middle if the samples are sparse.
+/// @param longest  maximum time between samples for interpolation [s]
+/// @param near     maximum distance from a sample [s]
 Between place(const LogSeries& series, double longest, double near, double t) {
   const auto after = std::lower_bound(series.time.begin(), series.time.end(), t - kSameInstant);
   if (after == series.time.end()) return {};
@@ -50,12 +50,12 @@ Between place(const LogSeries& series, double longest, double near, double t) {
   return {i, (t - series.time[i - 1]) / (series.time[i] - series.time[i - 1]), true};
 }
 
-/// A truth that has been looked at.
+/// A validated truth.
 struct Truth {
   const LogSeries* series = nullptr;
-  double longest = 0;  ///< that is interpolated over [s]
-  double scale = 1;    ///< to the unit of the state
-  bool angle = false;  ///< it may jump by a whole turn
+  double longest = 0;  ///< maximum time between samples for interpolation [s]
+  double scale = 1;    ///< factor to the unit of the state
+  bool angle = false;  ///< may jump by a whole turn
 
   [[nodiscard]] double at(double t, double near) const {
     const Between where = place(*series, longest, near, t);
@@ -64,12 +64,12 @@ struct Truth {
     if (where.share == 1) return scale * here;
     const double before = series->values[where.i - 1];
     double change = scale * (here - before);
-    if (angle) change = wrapped(change);
+    if (angle) change = wrap_angle(change);
     return scale * before + where.share * change;
   }
 };
 
-/// @param unit  that the model has for it
+/// @param unit  of the quantity in the model
 Truth truth_of(const ChannelUse& use, const std::string& unit, const std::string& name) {
   Truth truth{&use.series, 0, 1, unit == "rad"};
   const std::string given = common_unit(use.series.unit), wanted = common_unit(unit);
@@ -78,11 +78,11 @@ Truth truth_of(const ChannelUse& use, const std::string& unit, const std::string
   else if (!unit.empty() && !given.empty())
     require_unit(use.series, unit, name);
   require_usable(use.series, name);
-  truth.longest = kLongestHold * typical_period(use.series);
+  truth.longest = kMaxHold * typical_period(use.series);
   return truth;
 }
 
-/// Those of a group of names, in their order; empty where none came.
+/// The truths for a group of names, in their order; empty if none of them is given.
 template <std::size_t count>
 std::vector<const ChannelUse*> together(const std::array<const char*, count>& names,
                                         const std::vector<ChannelUse>& truths,
@@ -99,7 +99,7 @@ std::vector<const ChannelUse*> together(const std::array<const char*, count>& na
   for (std::size_t i = 0; i < count; ++i)
     if (found[i] == nullptr)
       throw InvalidInput(name, fmt::format("a truth for {} is missing, expected all of {} because "
-                                           "an attitude is told by all of them",
+                                           "an attitude needs all of them",
                                            names[i], internal::joined(names, ", ")));
   return found;
 }
@@ -115,19 +115,19 @@ class Attitude {
         euler_.push_back(truth_of(*use, "rad", name));
     if (!quaternion_.empty() && !euler_.empty())
       throw InvalidInput(name,
-                         "the attitude came as a quaternion and as roll, pitch, yaw, "
+                         "the attitude is given as a quaternion and as roll, pitch, yaw, "
                          "expected one of them");
     if (!quaternion_.empty()) check_quaternion(name);
   }
 
   [[nodiscard]] bool known() const { return !quaternion_.empty() || !euler_.empty(); }
 
-  /// One of those that tell it.
+  /// One of the series that determine the attitude.
   [[nodiscard]] const LogSeries& series() const {
     return *(quaternion_.empty() ? euler_ : quaternion_).front().series;
   }
 
-  /// Body to world; NaN where it is not told.
+  /// Attitude from body to world; NaN if it is not known.
   [[nodiscard]] Eigen::Quaterniond at(double t, double near) const {
     if (!euler_.empty())
       return quaternion_of_euler(euler_[0].at(t, near), euler_[1].at(t, near),
@@ -147,7 +147,7 @@ class Attitude {
     for (const Truth& other : quaternion_)
       if (other.series->time != first.time)
         throw InvalidInput(name,
-                           fmt::format("'{}' and '{}' have other times, expected a quaternion "
+                           fmt::format("'{}' and '{}' have different times, expected a quaternion "
                                        "of one table",
                                        printable(first.name), printable(other.series->name)));
     for (std::size_t i = 0; i < first.time.size(); ++i) {
@@ -168,16 +168,17 @@ class Attitude {
   std::vector<Truth> quaternion_, euler_;
 };
 
-/// Its axis times its angle [rad], 0 … π.
+/// Rotation vector: axis times angle [rad], angle 0 … π.
 Eigen::Vector3d turn_of(const Eigen::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q);
   return turn.angle() * turn.axis();
 }
 
-/// What a truth may be of.
+/// Quantities for which a truth can be given.
 std::vector<std::string> known_names(const FilterModel& model) {
   std::vector<std::string> names;
-  // The turn of inertial navigation is from its own attitude, which no log tells.
+  // The rotation states of inertial navigation are relative to the filter's own attitude, which no
+  // log contains.
   for (std::size_t i = model.gravity ? kInertialVelocity : 0; i < model.states.size(); ++i)
     names.push_back(model.states[i].name);
   if (model.gravity) names.insert(names.end(), kEuler.begin(), kEuler.end());
@@ -195,20 +196,22 @@ double typical_step(const Samples& time) {
   return *middle;
 }
 
-/// Half a step of a record: of its instants, each sample of a truth has one that near.
+/// Half of the typical step of a record: every sample of a truth is within this distance of an
+/// instant.
 double nearest(const FilterRecord& record) { return 0.5 * typical_step(record.time); }
 
-/// @param rows  of the records' truths that the series tells
+/// @param rows  number of rows of the records' truths that the series determines
 void require_told(const LogSeries& series, Index row, Index rows, const std::string& signal,
                   const std::string& name, const std::vector<FilterRecord>& records) {
   for (const FilterRecord& record : records)
     if (record.truth.middleRows(row, rows).array().isFinite().any()) return;
   throw InvalidInput(
-      name, fmt::format("the truth for {} is of {:.6g} s to {:.6g} s and tells nothing of the "
-                        "log's instants, {:.6g} s to {:.6g} s, expected one of the same flight by "
-                        "the same clock",
-                        signal, series.time.front(), series.time.back(),
-                        records.front().time.front(), records.back().time.back()));
+      name,
+      fmt::format("the truth for {} is from {:.6g} s to {:.6g} s and does not cover the "
+                  "log's instants, {:.6g} s to {:.6g} s, expected one of the same flight with "
+                  "the same clock",
+                  signal, series.time.front(), series.time.back(), records.front().time.front(),
+                  records.back().time.back()));
 }
 
 }  // namespace
@@ -229,7 +232,7 @@ void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
     if (std::any_of(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(i),
                     [&](const ChannelUse& other) { return other.signal == signal; }))
       throw InvalidInput(name,
-                         fmt::format("a truth for '{}' came twice, expected it once", signal));
+                         fmt::format("the truth for '{}' is given twice, expected once", signal));
   }
   const Attitude attitude(model, truths, name);
   const Index first_angle = model.gravity ? Index{kInertialAttitude} : Index{kAttitude};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a log tells of the true states, at the instants of a filter's records.
+/// True states from a log, at the instants of a filter's records.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace quadtune::internal {
 
-/// A series that is away for so many of its typical periods is not held or interpolated.
-inline constexpr double kLongestHold = 10;
-/// Instants nearer than this are one [s].
+/// Maximum gap of a series, in typical periods, over which it is held or interpolated.
+inline constexpr double kMaxHold = 10;
+/// Instants closer than this are equal [s].
 inline constexpr double kSameInstant = 1e-7;
 
-/// Median time from sample to sample [s].
+/// Median time between samples [s].
 [[nodiscard]] double typical_period(const LogSeries& series);
 
-/// Fills FilterRecord::truth in, as records_of_log() says.
+/// Fills FilterRecord::truth as described for records_of_log().
 /// @throws InvalidInput
 void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
                 const std::string& name, std::vector<FilterRecord>& records);

@@ -22,13 +22,13 @@ using Eigen::VectorXd;
 using internal::ExtendedMatrix;
 using internal::ExtendedVector;
 
-/// Longest Euler step [s]: the uquad's control period.
-constexpr double kLongestBodyStep = 0.01;
-/// Variances of the state at the start, of each kind.
+/// Maximum Euler step [s]: the uquad's control period.
+constexpr double kMaxBodyStep = 0.01;
+/// Variances of the initial state, by kind.
 constexpr double kPlaceDeviation = 1, kAngleDeviation = 0.1, kSpeedDeviation = 1,
                  kRateDeviation = 0.1, kOffsetDeviation = 0.1;
 
-/// What an output measures, row by row.
+/// Quantity that an output measures.
 enum class Seen { angle, force, rate, height, place, speed };
 
 struct KnownSensor {
@@ -58,7 +58,7 @@ const KnownSensor* find_sensor(const std::string& name) {
   return nullptr;
 }
 
-/// One row of the measurement: which kind, and the state it begins at.
+/// One row of the measurement: its kind and its first state.
 struct Row {
   Seen seen;
   int state;
@@ -129,14 +129,14 @@ class RigidBodyMotion {
 
   [[nodiscard]] double difference(Index i, double y, double expected) const {
     const double e = y - expected;
-    return rows_[static_cast<std::size_t>(i)].seen == Seen::angle ? wrapped(e) : e;
+    return rows_[static_cast<std::size_t>(i)].seen == Seen::angle ? wrap_angle(e) : e;
   }
   static void absorb(ExtendedVector&) {}
-  /// True angles that are nearest to the state's.
+  /// True angles in the turn nearest to that of the state.
   static void relate(const FilterRecord& record, Index k, const ExtendedVector& x,
                      FilterRecord& into) {
     for (Index i = kAttitude; i < kAttitude + 3; ++i)
-      into.truth(i, k) = x(i) + wrapped(record.truth(i, k) - x(i));
+      into.truth(i, k) = x(i) + wrap_angle(record.truth(i, k) - x(i));
   }
 
   void hold(const Eigen::Ref<const VectorXd>& speeds) { loads_ = rotor_loads(*body_, speeds); }
@@ -149,7 +149,7 @@ class RigidBodyMotion {
   StateJacobian<double> A_;
 };
 
-/// Angles and places that the first samples of their sensors show.
+/// Initial angles and positions from the first samples of their sensors.
 ExtendedVector first_guess(const FilterModel& model, const FilterRecord& measured,
                            const std::vector<Row>& rows) {
   ExtendedVector x = model.x0;
@@ -215,7 +215,7 @@ namespace {
 class RigidBodyFilter final : public internal::ExtendedFilter {
  public:
   RigidBodyFilter(FilterModel model, const std::vector<FilterRecord>& records)
-      : ExtendedFilter(std::move(model), records, false, kLongestBodyStep),
+      : ExtendedFilter(std::move(model), records, false, kMaxBodyStep),
         body_(load_vehicle(model_.vehicle)),
         rows_(rows_of(model_)) {
     for (const FilterRecord& measured : measurements())

@@ -25,7 +25,7 @@ bool same(const MatrixXd& a, const MatrixXd& b) {
          (a - b).cwiseAbs().maxCoeff() <= 1e-12 * (1 + b.cwiseAbs().maxCoeff());
 }
 
-/// +1 where both rows are one, -1 where one is minus the other; 0 for others.
+/// +1 if the rows are equal, -1 if one is the negative of the other; 0 otherwise.
 double sign_between(const MatrixXd& a, const MatrixXd& b) {
   if (same(a, b)) return 1;
   return same(a, -b) ? -1 : 0;
@@ -38,15 +38,15 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
   if (!model.linear()) refuse(where, model, "is not linear, expected a linear one");
   if (names(model.states) != names(filter.states))
     refuse(where, model,
-           fmt::format("has the states {}, expected {} as the filter", names(model.states),
+           fmt::format("has the states {}, expected {} as in the filter", names(model.states),
                        names(filter.states)));
   if (!same(model.G, G))
     refuse(where, model,
-           "has noise on other states than the filter, expected the same G, because Q is of its "
+           "has noise on other states than the filter, expected the same G because Q refers to its "
            "columns");
   if (model.dt > 0 && std::abs(model.dt - filter.dt) > 1e-9 * filter.dt)
     refuse(where, model,
-           fmt::format("is discrete with a period of {} s, expected {} s as the "
+           fmt::format("is discrete with a period of {} s, expected {} s as in the "
                        "filter",
                        model.dt, filter.dt));
   const Eigen::VectorXd theta = start_of(model);
@@ -55,7 +55,7 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
   const Index ny = model.outputs();
   if (ny != filter.C.rows())
     refuse(where, model,
-           fmt::format("has {} measurements, expected {} as the filter", ny, filter.C.rows()));
+           fmt::format("has {} measurements, expected {} as in the filter", ny, filter.C.rows()));
   noise.R = MatrixXd::Zero(ny, ny);
   Eigen::VectorXd signs(ny);
   Index first = 0;
@@ -65,8 +65,8 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
       signs(first + i) = sign_between(sensor.C.row(i), filter.C.row(first + i));
       if (signs(first + i) == 0)
         refuse(where, model,
-               fmt::format("measures other than the filter with '{}', expected the same row of C "
-                           "but for its sign",
+               fmt::format("measures '{}' differently from the filter, expected the same row of C "
+                           "up to its sign",
                            sensor.outputs[static_cast<std::size_t>(i)].name));
     }
     noise.R.block(first, first, m, m) = covariance(sensor.R, theta);
@@ -76,11 +76,11 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
   return noise;
 }
 
-void take_noise(const FilterModel& model, const std::string& where,
+void copy_noise(const FilterModel& model, const std::string& where,
                 UquadFilterSettings<double>& settings) {
   if (model.vehicle.empty())
     refuse(where, model,
-           "is none of the uquad's filter, expected one with dynamics = \"rigid-body\"");
+           "is not a model of the uquad's filter, expected dynamics = \"rigid-body\"");
   const Eigen::VectorXd theta = start_of(model);
   settings.Q = covariance(model.Q, theta).diagonal() * settings.dt;
   const std::map<std::string, double*> known = {{"tilt", &settings.R_tilt},
@@ -95,8 +95,8 @@ void take_noise(const FilterModel& model, const std::string& where,
     const Eigen::VectorXd R = covariance(sensor.R, theta).diagonal();
     if (R.minCoeff() != R.maxCoeff())
       refuse(where, model,
-             fmt::format("has other variances of '{}' on each axis, expected kind = \"shared\", "
-                         "because the filter has one for all",
+             fmt::format("has different variances of '{}' on its axes, expected kind = \"shared\", "
+                         "because the filter has one for all axes",
                          sensor.name));
     *known.at(sensor.name) = R(0);
   }

@@ -30,12 +30,13 @@ void validate_uquad(const UquadFilterSettings<T>& settings, const std::string& w
   require_positive(settings.R_gps_position, "R_gps_position", " m2", where);
   require_positive(settings.R_gps_velocity, "R_gps_velocity", " m2/s2", where);
   require_positive(settings.R_vision, "R_vision", " m2", where);
-  require_positive(settings.still_variance, "still_variance", " m2/s2", where);
+  require_positive(settings.zero_velocity_variance, "still_variance", " m2/s2", where);
   require_positive(settings.standing_variance, "standing_variance", " m2/s2", where);
   if (!(settings.gate > 0))
-    throw InvalidInput(where, fmt::format("gate is {}, expected more than 0 because no measurement "
-                                          "passes it otherwise",
-                                          settings.gate));
+    throw InvalidInput(
+        where, fmt::format("gate is {}, expected more than 0 because otherwise no measurement "
+                           "is accepted",
+                           settings.gate));
   require_positive(settings.force_band, "force_band", "", where);
   require_positive(settings.field_band, "field_band", "", where);
   require_not_negative(settings.field_norm, "field_norm", " uT", where);

@@ -19,7 +19,7 @@ namespace {
 
 using Library = nlohmann::ordered_json;
 
-// A text of a million brackets would overflow the stack where values are copied and destroyed.
+// A text of a million brackets would overflow the stack when values are copied and destroyed.
 constexpr int kMaxDepth = 500;
 
 Json from_library(const Library& json) {
@@ -69,7 +69,7 @@ Library to_library(const Json& json) {
   return nullptr;
 }
 
-/// A copy whose names and texts are UTF-8, as valid_utf8() makes them.
+/// A copy with names and strings converted by valid_utf8().
 template <typename AnyJson>
 AnyJson with_valid_text(const AnyJson& json) {
   if (json.is_string()) return valid_utf8(json.template get_ref<const std::string&>());
@@ -88,10 +88,10 @@ std::string text_of(const AnyJson& json, bool ascii) {
   std::string text;
   try {
     text = json.dump(-1, ' ', ascii);
-  } catch (const typename AnyJson::type_error&) {  // a text that is not UTF-8
+  } catch (const typename AnyJson::type_error&) {  // a string that is not UTF-8
     text = with_valid_text(json).dump(-1, ' ', ascii);
   }
-  // Outside of strings there are only ASCII characters that are shown.
+  // Outside of strings there are only printable ASCII characters.
   std::string safe;
   std::size_t copied = 0;
   for (std::size_t i = 0; i < text.size();) {
@@ -106,7 +106,7 @@ std::string text_of(const AnyJson& json, bool ascii) {
   return copied == 0 ? text : safe.append(text, copied);
 }
 
-/// Appends `json` to `text`; lines below the first are indented by `indent` and two more.
+/// Appends `json` to `text`; lines after the first are indented by `indent` plus two.
 void append_readable(const Json& json, std::size_t indent, bool in_array, std::string& text) {
   if (json.is_primitive() || json.empty()) {
     text.append(json_text(json));
@@ -162,7 +162,7 @@ Json Json::parse(const std::string& text) {
     return from_library(Library::parse(text, [](int depth, Library::parse_event_t, Library&) {
       if (depth > kMaxDepth)
         throw JsonError(
-            fmt::format("nests arrays and objects more than {} deep, expected fewer", kMaxDepth));
+            fmt::format("nests arrays and objects more than {} levels deep", kMaxDepth));
       return true;
     }));
   } catch (const Library::parse_error& error) {
@@ -245,7 +245,8 @@ std::int64_t Json::integer() const {
   if (kind_ == Kind::integer) return number_.integer;
   if (kind_ == Kind::natural && std::in_range<std::int64_t>(number_.natural))
     return static_cast<std::int64_t>(number_.natural);
-  constexpr double kExact = 9007199254740992;  // 2^53: beyond it a double is no single integer
+  /// 2^53: above it a double does not identify a single integer.
+  constexpr double kExact = 9007199254740992;
   const double value =
       kind_ == Kind::real ? number_.real : std::numeric_limits<double>::quiet_NaN();
   if (!(std::abs(value) <= kExact) || value != std::floor(value)) refuse("a whole number");

@@ -12,19 +12,19 @@
 namespace quadtune::internal {
 namespace {
 
-/// A block of the heap that stands for a file's is mapped as well, so that both are freed alike.
+/// Maps heap blocks as well as files, so that both are released the same way.
 void* map_block(std::size_t bytes, int flags, int file) {
   void* block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags, file, 0);
   return block == MAP_FAILED ? nullptr : block;
 }
 
-/// Asking for a file longer than the process may write would end it by a signal.
+/// Creating a file longer than the process may write would terminate it by a signal.
 bool may_write(std::size_t bytes) {
   rlimit limit{};
   return getrlimit(RLIMIT_FSIZE, &limit) == 0 && bytes <= limit.rlim_cur;
 }
 
-/// @return  null where the file or its room cannot be had
+/// @return  nullptr if the file cannot be created or the file system has no room
 void* spool(std::size_t bytes) {
   if (!may_write(bytes)) return nullptr;
   const char* directory = std::getenv("TMPDIR");
@@ -34,7 +34,7 @@ void* spool(std::size_t bytes) {
   if (file < 0) return nullptr;
   unlink(name.c_str());
   void* block = nullptr;
-  // All its room at once: a page that finds none when it is written would end the program.
+  // Reserve all space now: running out of space when a page is written would terminate the program.
   if (posix_fallocate(file, 0, static_cast<off_t>(bytes)) == 0)
     block = map_block(bytes, MAP_SHARED, file);
   close(file);
@@ -44,7 +44,7 @@ void* spool(std::size_t bytes) {
 }  // namespace
 
 void* allocate_samples(std::size_t bytes) {
-  if (bytes < kLeastSpooled) return ::operator new(bytes);
+  if (bytes < kMinSpooled) return ::operator new(bytes);
   void* block = spool(bytes);
   if (!block) block = map_block(bytes, MAP_PRIVATE | MAP_ANONYMOUS, -1);
   if (!block) throw std::bad_alloc();
@@ -52,7 +52,7 @@ void* allocate_samples(std::size_t bytes) {
 }
 
 void free_samples(void* block, std::size_t bytes) noexcept {
-  if (bytes < kLeastSpooled)
+  if (bytes < kMinSpooled)
     ::operator delete(block);
   else
     munmap(block, bytes);

@@ -23,11 +23,11 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 std::string nearest(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
   if (word.size() < 4) return best;
-  std::size_t least = (word.size() + 1) / 3 + 1;  // a third of the letters may be wrong
+  std::size_t min = (word.size() + 1) / 3 + 1;  // up to a third of the letters may differ
   for (const std::string& candidate : known) {
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance < least) {
-      least = distance;
+    if (distance < min) {
+      min = distance;
       best = candidate;
     }
   }

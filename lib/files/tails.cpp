@@ -22,7 +22,7 @@ using Normal = boost::math::normal_distribution<double, Quiet>;
 using Student = boost::math::students_t_distribution<double, Quiet>;
 using ChiSquared = boost::math::chi_squared_distribution<double, Quiet>;
 
-/// Beyond it a tail is less than any double; the gamma function itself would overflow.
+/// Beyond it a tail is smaller than any positive double, and the gamma function would overflow.
 double far_beyond(double degrees) { return 1e6 + 1e3 * degrees; }
 
 }  // namespace

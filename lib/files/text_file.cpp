@@ -20,7 +20,7 @@ namespace {
 
 std::string size_in_words(std::size_t bytes) { return fmt::format("{} MiB", bytes >> 20); }
 
-// Reads at most one byte beyond the limit, so that an endless device ends too.
+// Reads at most one byte more than the limit, so that reading an endless device terminates.
 std::string read_all(std::FILE* stream, const std::string& path, std::size_t limit) {
   std::string text;
   std::array<char, 65536> block;

@@ -25,8 +25,8 @@ std::string_view trimmed(std::string_view line) {
   return line;
 }
 
-// "0,5 1,5" is two numbers to half the world and four to a reader that splits at commas: where
-// blanks separate numbers, a comma between two characters that are no blanks is a decimal sign.
+// "0,5 1,5" is two numbers in many locales and four to a reader that splits at commas: if blanks
+// separate numbers, a comma between two nonblank characters is a decimal comma.
 bool has_decimal_comma(std::string_view line) {
   bool tight_comma = false;
   bool blank = false;
@@ -45,12 +45,12 @@ double parse_number(std::string_view word, const std::string& where) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range)
     throw InvalidInput(where, fmt::format("'{}' is beyond the range of a double, expected at most "
-                                          "1.8e308 and no less than 4.9e-324 in size",
+                                          "1.8e308 and at least 4.9e-324 in magnitude",
                                           internal::printable(word)));
-  if (word.starts_with("\xef\xbb\xbf"))  // invisible in an editor, so the message names it
+  if (word.starts_with("\xef\xbb\xbf"))  // invisible in an editor, so the message mentions it
     throw InvalidInput(
         where, fmt::format("'{}' is not a number but begins with a UTF-8 byte order mark, expected "
-                           "the file without one",
+                           "a file without one",
                            internal::printable(word)));
   if (error != std::errc() || end != digits.data() + digits.size())
     throw InvalidInput(
@@ -62,7 +62,7 @@ double parse_number(std::string_view word, const std::string& where) {
   return value;
 }
 
-// Appends the numbers of one line to `values` and gives their count.
+// Appends the numbers of one line to `values` and returns their count.
 std::size_t parse_row(std::string_view line, const std::string& where,
                       std::vector<double>& values) {
   if (has_decimal_comma(line))
@@ -78,7 +78,7 @@ std::size_t parse_row(std::string_view line, const std::string& where,
     while (i < line.size() && !is_blank(line[i]) && line[i] != ',') ++i;
     if (start == i)
       throw InvalidInput(where,
-                         "nothing before or after a comma, expected a number on each side of it");
+                         "no number before or after a comma, expected a number on each side of it");
     values.push_back(parse_number(line.substr(start, i - start), where));
     ++count;
     while (i < line.size() && is_blank(line[i])) ++i;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From toml++'s tree to ours: the only file that knows toml++.
+// Converts the tree of toml++ to TomlNode; the only file that includes toml++.
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -12,7 +12,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr int kDeepest = 8;  // no file of ours nests tables and lists deeper than five
+constexpr int kDeepest = 8;  // no file format of quadtune needs more than five levels
 
 int line_of(const toml::node& node, int fallback) {
   const auto line = node.source().begin.line;
@@ -28,8 +28,8 @@ class Converter {
     result.line = line_of(node, parent_line);
     if (depth > kDeepest)
       throw InvalidInput(fmt::format("{}:{}", origin_, result.line),
-                         fmt::format("tables and lists nest more than {} deep, expected fewer, as "
-                                     "no file here needs more",
+                         fmt::format("tables and lists nest more than {} levels deep; no quadtune "
+                                     "file needs more",
                                      kDeepest));
     switch (node.type()) {
       case toml::node_type::table:
@@ -77,7 +77,7 @@ class Converter {
       entries.push_back({{place.line, place.column},
                          {std::string(key.str()), line, convert(value, line, depth + 1)}});
     }
-    // toml++ sorts by name; messages should follow the file.
+    // toml++ sorts by name; messages should follow the order of the file.
     std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
       return std::pair(a.first.line, a.first.column) < std::pair(b.first.line, b.first.column);
     });
@@ -87,8 +87,8 @@ class Converter {
   std::string origin_;
 };
 
-// toml++ 3.3 parses dotted keys of any depth and frees the tables recursively; a bound on the line
-// bounds that recursion. It also needs no reader to scroll.
+// toml++ 3.3 parses dotted keys of any depth and frees the tables recursively; the limit on the
+// length of a line bounds the recursion.
 void require_short_lines(const std::string& text, const std::string& origin) {
   int line = 1;
   std::size_t start = 0;
@@ -103,8 +103,9 @@ void require_short_lines(const std::string& text, const std::string& origin) {
   }
 }
 
-// "Error while parsing key-value pair: cannot redefine existing integer 'a'" in our words.
-std::string in_our_words(std::string_view description) {
+// Rewrites messages such as "Error while parsing key-value pair: cannot redefine existing integer
+// 'a'".
+std::string translate_message(std::string_view description) {
   std::string words;
   for (const char c : description) words += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
   const std::size_t twice = words.find("cannot redefine existing ");
@@ -115,8 +116,8 @@ std::string in_our_words(std::string_view description) {
   }
   const std::size_t open = words.find('\'', twice);
   const std::size_t close = open == std::string::npos ? open : words.find('\'', open + 1);
-  if (close == std::string::npos) return "a key stands twice";
-  return fmt::format("key {} stands twice, expected once",
+  if (close == std::string::npos) return "a key is defined twice";
+  return fmt::format("key {} is defined twice, expected once",
                      printable(words.substr(open, close - open + 1)));
 }
 
@@ -132,7 +133,7 @@ TomlTable TomlTable::parse(const std::string& text, const std::string& origin, s
     return TomlTable(std::move(root), node, origin, "");
   } catch (const toml::parse_error& error) {
     const auto line = std::max<toml::source_index>(error.source().begin.line, 1);
-    throw InvalidInput(fmt::format("{}:{}", origin, line), in_our_words(error.description()));
+    throw InvalidInput(fmt::format("{}:{}", origin, line), translate_message(error.description()));
   }
 }
 

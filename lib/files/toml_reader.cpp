@@ -14,8 +14,8 @@
 namespace quadtune::internal {
 namespace {
 
-// What came, for messages: "the string '63 g'", "a list of 2".
-std::string in_words(const TomlNode& node) {
+// Describes a value for messages: "the string '63 g'", "a list of 2".
+std::string describe(const TomlNode& node) {
   switch (node.kind) {
     case TomlNode::Kind::boolean:
       return node.truth ? "true" : "false";
@@ -38,7 +38,7 @@ bool is_number(const TomlNode& node) {
   return node.kind == TomlNode::Kind::integer || node.kind == TomlNode::Kind::real;
 }
 
-// Does `key` carry the stem of `known`, with another unit or none?
+// Whether `key` has the stem of `known` with another unit or without unit.
 bool same_stem(const std::string& key, const TomlKey& known) {
   return !known.unit.empty() && (key == known.stem || key.rfind(known.stem + "_", 0) == 0);
 }
@@ -54,12 +54,12 @@ bool Range::holds(double value) const {
 }
 
 std::string Range::words() const {
-  const std::string least = low_bound == Bound::closed ? fmt::format("{} or more", low)
-                                                       : fmt::format("more than {}", low);
-  const std::string most = high_bound == Bound::closed ? fmt::format("{} or less", high)
-                                                       : fmt::format("less than {}", high);
-  if (low_bound == Bound::none) return high_bound == Bound::none ? "a finite number" : most;
-  return high_bound == Bound::none ? least : least + " and " + most;
+  const std::string min = low_bound == Bound::closed ? fmt::format("{} or more", low)
+                                                     : fmt::format("more than {}", low);
+  const std::string max = high_bound == Bound::closed ? fmt::format("{} or less", high)
+                                                      : fmt::format("less than {}", high);
+  if (low_bound == Bound::none) return high_bound == Bound::none ? "a finite number" : max;
+  return high_bound == Bound::none ? min : min + " and " + max;
 }
 
 const TomlNode* TomlTable::find(const std::string& key) const {
@@ -96,7 +96,7 @@ std::string TomlTable::named(const std::string& key) const {
 const TomlNode& TomlTable::need(const std::string& key) const {
   const TomlNode* node = find(key);
   if (node == nullptr)
-    throw InvalidInput(where(), fmt::format("{} has no key '{}', expected one",
+    throw InvalidInput(where(), fmt::format("{} has no key '{}', which is required",
                                             title_.empty() ? "the file" : title_, key));
   return *node;
 }
@@ -131,13 +131,13 @@ void TomlTable::refuse_unknown(const TomlNode::Entry& entry,
 
 double TomlTable::checked(const TomlNode& node, const std::string& what, const Range& range) const {
   if (!is_number(node))
-    throw InvalidInput(at(node), fmt::format("{} is {}, expected a number", what, in_words(node)));
+    throw InvalidInput(at(node), fmt::format("{} is {}, expected a number", what, describe(node)));
   if (!std::isfinite(node.value))
     throw InvalidInput(at(node),
                        fmt::format("{} is {}, expected a finite number", what, node.value));
   if (!range.holds(node.value))
     throw InvalidInput(at(node),
-                       fmt::format("{} is {}, expected {}", what, in_words(node), range.words()));
+                       fmt::format("{} is {}, expected {}", what, describe(node), range.words()));
   return node.value;
 }
 
@@ -153,7 +153,7 @@ int TomlTable::integer(const std::string& key, int low, int high) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::integer || node.integer < low || node.integer > high)
     throw InvalidInput(at(node), fmt::format("{} is {}, expected a whole number from {} to {}",
-                                             named(key), in_words(node), low, high));
+                                             named(key), describe(node), low, high));
   return static_cast<int>(node.integer);
 }
 
@@ -161,7 +161,7 @@ std::string TomlTable::text(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::text)
     throw InvalidInput(at(node),
-                       fmt::format("{} is {}, expected a string", named(key), in_words(node)));
+                       fmt::format("{} is {}, expected a string", named(key), describe(node)));
   require_one_line(node, named(key));
   return node.text;
 }
@@ -174,7 +174,7 @@ std::string TomlTable::word(const std::string& key) const {
   };
   if (value.empty() || value.size() > 64 || !std::all_of(value.begin(), value.end(), fits))
     throw InvalidInput(where(key), fmt::format("{} is '{}', expected 1 to 64 letters, digits, "
-                                               "'.', '_' or '-', as it names files",
+                                               "'.', '_' or '-' because it is used in file names",
                                                named(key), printable(value)));
   return value;
 }
@@ -195,12 +195,12 @@ std::vector<std::string> TomlTable::texts(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list)
     throw InvalidInput(
-        at(node), fmt::format("{} is {}, expected a list of strings", named(key), in_words(node)));
+        at(node), fmt::format("{} is {}, expected a list of strings", named(key), describe(node)));
   std::vector<std::string> words;
   for (const TomlNode& element : node.list) {
     if (element.kind != TomlNode::Kind::text)
       throw InvalidInput(at(element), fmt::format("{} has {} as entry {}, expected a string",
-                                                  named(key), in_words(element), words.size() + 1));
+                                                  named(key), describe(element), words.size() + 1));
     require_one_line(element, fmt::format("entry {} of {}", words.size() + 1, named(key)));
     words.push_back(element.text);
   }
@@ -211,7 +211,7 @@ Eigen::VectorXd TomlTable::vector(const std::string& key, const Range& range) co
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list)
     throw InvalidInput(
-        at(node), fmt::format("{} is {}, expected a list of numbers", named(key), in_words(node)));
+        at(node), fmt::format("{} is {}, expected a list of numbers", named(key), describe(node)));
   Eigen::VectorXd values(static_cast<Eigen::Index>(node.list.size()));
   for (Eigen::Index i = 0; i < values.size(); ++i)
     values(i) = checked(node.list[static_cast<std::size_t>(i)],
@@ -231,14 +231,14 @@ Eigen::MatrixXd TomlTable::matrix(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list || node.list.empty())
     throw InvalidInput(
-        at(node), fmt::format("{} is {}, expected a list of rows", named(key), in_words(node)));
+        at(node), fmt::format("{} is {}, expected a list of rows", named(key), describe(node)));
   const std::size_t cols = node.list.front().list.size();
   Eigen::MatrixXd M(static_cast<Eigen::Index>(node.list.size()), static_cast<Eigen::Index>(cols));
   for (Eigen::Index i = 0; i < M.rows(); ++i) {
     const TomlNode& row = node.list[static_cast<std::size_t>(i)];
     if (row.kind != TomlNode::Kind::list || row.list.empty())
       throw InvalidInput(at(row), fmt::format("row {} of {} is {}, expected a list of numbers",
-                                              i + 1, named(key), in_words(row)));
+                                              i + 1, named(key), describe(row)));
     if (row.list.size() != cols)
       throw InvalidInput(at(row),
                          fmt::format("row {} of {} has {} numbers, expected {} as in row 1", i + 1,
@@ -260,7 +260,7 @@ bool TomlTable::truth(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::boolean)
     throw InvalidInput(at(node),
-                       fmt::format("{} is {}, expected true or false", named(key), in_words(node)));
+                       fmt::format("{} is {}, expected true or false", named(key), describe(node)));
   return node.truth;
 }
 
@@ -282,7 +282,7 @@ TomlTable TomlTable::table(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::table)
     throw InvalidInput(at(node),
-                       fmt::format("{} is {}, expected a table", named(key), in_words(node)));
+                       fmt::format("{} is {}, expected a table", named(key), describe(node)));
   if (title_.empty()) return inner(node, "[" + key + "]");
   const bool in_list = title_.rfind("[[", 0) == 0;  // "[[rotors]] 2" has no bracket at its end
   return inner(
@@ -300,12 +300,12 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list)
     throw InvalidInput(at(node), fmt::format("{} is {}, expected a list of tables: [[{}]]",
-                                             named(key), in_words(node), key));
+                                             named(key), describe(node), key));
   for (const TomlNode& element : node.list) {
     const std::size_t count = all.size() + 1;
     if (element.kind != TomlNode::Kind::table)
       throw InvalidInput(at(element), fmt::format("{} has {} as entry {}, expected a table",
-                                                  named(key), in_words(element), count));
+                                                  named(key), describe(element), count));
     all.push_back(inner(element, fmt::format("[[{}]] {}", key, count)));
   }
   return all;

@@ -6,12 +6,13 @@
 namespace quadtune::internal {
 namespace {
 
-// How many bytes follow a first byte, and the least that so many may stand for; -1 for no first
-// byte. The least refuses overlong forms, with which one text would have several spellings.
+// The number of bytes that follow a first byte, and the smallest code that such a sequence may
+// encode; -1 if the byte cannot be first. The smallest code rejects overlong forms, which would
+// give one text several encodings.
 struct Lead {
   int following;
   char32_t bits;
-  char32_t least;
+  char32_t min;
 };
 Lead lead_of(unsigned char byte) {
   if (byte < 0x80) return {0, byte, 0};
@@ -53,7 +54,7 @@ Utf8Character first_character(std::string_view text) {
     code = code << 6U | (byte & 0x3fU);
   }
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  if (code < lead.least || code > 0x10ffff || surrogate) return no_character;
+  if (code < lead.min || code > 0x10ffff || surrogate) return no_character;
   return {code, length, true};
 }
 
@@ -83,10 +84,10 @@ std::string visible_text(std::string_view text) {
   });
 }
 
-std::string_view whole_characters(std::string_view text, std::size_t most) {
-  if (text.size() <= most) return text;
-  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0U) == 0x80) --most;
-  return text.substr(0, most);
+std::string_view whole_characters(std::string_view text, std::size_t max) {
+  if (text.size() <= max) return text;
+  while (max > 0 && (static_cast<unsigned char>(text[max]) & 0xc0U) == 0x80) --max;
+  return text.substr(0, max);
 }
 
 }  // namespace quadtune::internal

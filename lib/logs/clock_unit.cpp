@@ -11,9 +11,9 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kLongestStep = 10;     // [s] between the samples of a log
-constexpr double kShortestStep = 5e-5;  // [s]: 20 kHz
-constexpr double kLastSecond = 1e10;    // since 1970: the year 2286
+constexpr double kMaxStep = 10;       // [s] between samples of a log
+constexpr double kMinStep = 5e-5;     // [s]: 20 kHz
+constexpr double kLastSecond = 1e10;  // since 1970: the year 2286
 constexpr double kStraySeconds = 10;
 constexpr double kStraySteps = 1000;
 
@@ -21,7 +21,7 @@ struct Unit {
   const char* name;
   const char* words;
   double ticks;
-  double from, to;  // of times since 1970: 1973 to 2286
+  double from, to;  // range of times since 1970: 1973 to 2286
 };
 constexpr std::array<Unit, 3> kSince1970 = {{{"ms", "milliseconds", 1e3, 1e11, 1e13},
                                              {"us", "microseconds", 1e6, 1e14, 1e16},
@@ -35,7 +35,7 @@ double median(std::vector<double> values) {
 }
 
 bool plausible(double step, double ticks) {
-  return step == 0 || (step / ticks >= kShortestStep && step / ticks <= kLongestStep);
+  return step == 0 || (step / ticks >= kMinStep && step / ticks <= kMaxStep);
 }
 
 }  // namespace
@@ -53,15 +53,15 @@ ClockSample sample_of_clock(const std::vector<double>& times) {
 ClockUnit unit_of_clock(const ClockSample& sample) {
   const double time = std::abs(sample.time);
   const double step = sample.step;
-  if (time < kLastSecond && step <= kLongestStep) return {1, "s", "is taken as seconds"};
+  if (time < kLastSecond && step <= kMaxStep) return {1, "s", "is taken as seconds"};
   if (time < kLastSecond)
     return {0, "us",
-            fmt::format("as seconds its samples would be {:.6g} s apart; they may be milliseconds, "
+            fmt::format("in seconds its samples would be {:.6g} s apart; they may be milliseconds, "
                         "microseconds or nanoseconds",
                         step)};
   for (const Unit& unit : kSince1970) {
     if (time < unit.from || time >= unit.to) continue;
-    // A clock that counts from its start comes to 1e11 us in a day, to 1e11 ns in two minutes.
+    // A clock that starts at 0 reaches 1e11 us in a day and 1e11 ns in two minutes.
     const bool only_ms =
         step > 0 && plausible(step, 1e3) && !plausible(step, 1e6) && !plausible(step, 1e9);
     const bool only_ns = !plausible(step, 1e6) && plausible(step, 1e9);
@@ -71,7 +71,7 @@ ClockUnit unit_of_clock(const ClockSample& sample) {
                         sample.time)};
   }
   return {0, time < kSince1970[1].from ? "ms" : "ns",
-          fmt::format("its values, such as {:.6g}, are no seconds; they may be milliseconds, "
+          fmt::format("its values, such as {:.6g}, are not seconds; they may be milliseconds, "
                       "microseconds or nanoseconds",
                       sample.time)};
 }

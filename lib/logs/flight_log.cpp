@@ -25,10 +25,10 @@ bool is_mat(const std::string& path) { return std::filesystem::path(path).extens
 void require_log_name(const std::string& path, const std::string& where) {
   const std::filesystem::path extension = std::filesystem::path(path).extension();
   if (extension != kCsv && extension != kMat)
-    throw InvalidInput(where,
-                       fmt::format("'{}' tells no format of a log, expected a name that ends in {} "
-                                   "or {}",
-                                   internal::printable(path), kCsv, kMat));
+    throw InvalidInput(
+        where, fmt::format("cannot tell the log format from '{}': use a file name that ends in {} "
+                           "or {}",
+                           internal::printable(path), kCsv, kMat));
 }
 
 std::string log_bytes(const LogTable& table, const std::string& path) {
@@ -47,18 +47,19 @@ namespace internal {
 void require_log(const LogTable& table, const std::string& where) {
   const auto require_utf8 = [&](const std::string& text, const char* what) {
     if (!utf16_of(text))
-      throw InvalidInput(
-          where, fmt::format("{} '{}' is not UTF-8, expected UTF-8", what, printable(text)));
+      throw InvalidInput(where, fmt::format("{} '{}' is not valid UTF-8", what, printable(text)));
   };
   std::unordered_set<std::string_view> names;
   for (const LogColumn& column : table.columns) {
     if (column.name.empty())
-      throw InvalidInput(where, "a column has no name, expected one, as values are found by it");
+      throw InvalidInput(where,
+                         "a column has no name; expected one because columns are accessed by name");
     require_utf8(column.name, "the name");
     require_utf8(column.unit, "the unit");
     if (!names.insert(column.name).second)
-      throw InvalidInput(where, fmt::format("column '{}' stands twice, expected distinct names",
-                                            printable(column.name)));
+      throw InvalidInput(where,
+                         fmt::format("column name '{}' appears twice, expected distinct names",
+                                     printable(column.name)));
     if (column.values.size() != table.rows())
       throw InvalidInput(where, fmt::format("column '{}' has {} rows, expected {} as '{}' has",
                                             printable(column.name), column.values.size(),

@@ -12,7 +12,7 @@ constexpr double kJumpPeriods = 100;
 constexpr double kJumpSeconds = 10;
 constexpr int kBinsPerOctave = 64;
 
-// By the first bits of the number: cheaper than a logarithm, bins of 0.8 to 1.6 %.
+// Uses the leading bits of the number: cheaper than a logarithm, with bins of 0.8 to 1.6 %.
 int bin_of(double interval) {
   int exponent = 0;
   const double mantissa = std::frexp(interval, &exponent);  // in [0.5, 1)
@@ -23,7 +23,7 @@ int bin_of(double interval) {
 
 void IntervalStatistics::take(double time) {
   least_ = std::min(least_, time);
-  greatest_ = std::max(greatest_, time);
+  max_ = std::max(max_, time);
   if (samples_++ == 0) {
     first_ = previous_ = time;
     return;
@@ -46,7 +46,7 @@ LogTiming IntervalStatistics::timing() const {
   LogTiming timing;
   if (samples_ == 0) return timing;
   timing.first_s = first_;
-  timing.duration_s = greatest_ - least_;
+  timing.duration_s = max_ - least_;
   timing.duplicates = duplicates_;
   timing.backwards = backwards_;
   std::uint64_t intervals = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Intervals between times, in memory that does not grow with their number.
+/// Statistics of the intervals between times, in constant memory.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace quadtune::internal {
 
-/// Counts intervals in bins of 1 % each, so that the median and what is longer than a multiple of
-/// it are known at the end to 1 %.
+/// Counts intervals in bins of about 1 % width, so that the median, and the number of intervals
+/// longer than a multiple of it, are known at the end to 1 %.
 class IntervalStatistics {
  public:
-  /// @param time  Finite [s].
+  /// @param time  finite [s]
   void take(double time);
 
   [[nodiscard]] LogTiming timing() const;
-  /// The least and greatest time; inf and -inf before the first.
-  [[nodiscard]] double least() const { return least_; }
-  [[nodiscard]] double greatest() const { return greatest_; }
+  /// Minimum and maximum time; inf and -inf before the first.
+  [[nodiscard]] double min() const { return least_; }
+  [[nodiscard]] double max() const { return max_; }
 
  private:
   struct Bin {
@@ -33,7 +33,7 @@ class IntervalStatistics {
   double first_ = std::numeric_limits<double>::quiet_NaN();
   double previous_ = std::numeric_limits<double>::quiet_NaN();
   double least_ = std::numeric_limits<double>::infinity();
-  double greatest_ = -std::numeric_limits<double>::infinity();
+  double max_ = -std::numeric_limits<double>::infinity();
   std::uint64_t samples_ = 0;
   std::uint64_t duplicates_ = 0;
   std::uint64_t backwards_ = 0;

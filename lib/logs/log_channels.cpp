@@ -18,10 +18,10 @@ namespace {
 
 using internal::printable;
 
-// A channel that somebody asked for.
+// A requested channel.
 struct Wanted {
-  std::size_t channel;  // in its group
-  std::size_t series;   // in the result
+  std::size_t channel;  // index in its group
+  std::size_t series;   // index in the result
 };
 
 class Collector {
@@ -62,10 +62,11 @@ class Collector {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (found_[i].empty() && i < required_) refuse_unknown(i, groups);
       if (found_[i].size() > 1)
-        throw InvalidInput(origin_, fmt::format("'{}' stands for several channels, expected one of "
-                                                "{} and {}",
-                                                printable(names_[i]), printable(found_[i][0]),
-                                                printable(found_[i][1])));
+        throw InvalidInput(
+            origin_,
+            fmt::format("'{}' is the name of several channels, expected one of "
+                        "{} and {}",
+                        printable(names_[i]), printable(found_[i][0]), printable(found_[i][1])));
     }
     return std::move(result_);
   }
@@ -75,7 +76,7 @@ class Collector {
     return channel.column > 0 && name == std::to_string(channel.column);
   }
 
-  // The full name wins over a short one that came before.
+  // A full name takes precedence over a short name found before.
   void match(const LogGroup& group, std::size_t channel, std::size_t i,
              std::vector<Wanted>& wanted) {
     const LogChannel& candidate = group.channels[channel];
@@ -92,7 +93,7 @@ class Collector {
     wanted.push_back({channel, i});
   }
 
-  /// @param first  of the names that the log lacks
+  /// @param first  index of the first name that the log does not have
   [[noreturn]] void refuse_unknown(std::size_t first, const std::vector<LogGroup>& groups) const {
     constexpr std::size_t kListed = 12;
     const std::string& name = names_[first];
@@ -116,11 +117,11 @@ class Collector {
   }
 
   std::vector<std::string> names_;
-  std::size_t required_;  // so many of the names the log must have
+  std::size_t required_;  // number of names that are required
   std::string origin_;
-  std::vector<std::vector<std::string>> found_;  // full names, by the name asked for
+  std::vector<std::vector<std::string>> found_;  // full names, by requested name
   std::vector<std::vector<Wanted>> wanted_;      // by group
-  std::vector<std::uint64_t> rows_;              // that came, by group
+  std::vector<std::uint64_t> rows_;              // number of rows so far, by group
   LogChannels result_;
 };
 
@@ -148,7 +149,7 @@ LogChannels read_log_channels(const std::string& path, const std::vector<std::st
 }
 
 LogSeries interpolated(const LogSeries& series, const Samples& times) {
-  constexpr double kLongest = 10;  // median steps
+  constexpr double kMax = 10;  // median steps
   LogSeries result{series.name, series.unit, series.timed, {}, {}};
   const Samples& t = series.time;
   if (t.empty()) return result;
@@ -158,7 +159,7 @@ LogSeries interpolated(const LogSeries& series, const Samples& times) {
   if (!steps.empty()) {
     const auto middle = steps.begin() + std::ssize(steps) / 2;
     std::nth_element(steps.begin(), middle, steps.end());
-    longest = kLongest * *middle;
+    longest = kMax * *middle;
   }
   std::size_t after = 0;
   for (const double time : times) {
@@ -175,24 +176,24 @@ LogSeries interpolated(const LogSeries& series, const Samples& times) {
   return result;
 }
 
-void require_usable(const LogSeries& series, const std::string& where, std::size_t least) {
+void require_usable(const LogSeries& series, const std::string& where, std::size_t min) {
   if (!series.timed)
     throw InvalidInput(where, fmt::format("'{}' has no time, expected a time column or a rate",
                                           printable(series.name)));
   if (series.values.empty())
-    throw InvalidInput(where, fmt::format("'{}' holds no number at all, expected samples: every "
+    throw InvalidInput(where, fmt::format("'{}' has no samples, expected at least one: every "
                                           "row of it is empty or NaN",
                                           printable(series.name)));
-  if (series.values.size() < least)
+  if (series.values.size() < min)
     throw InvalidInput(where, fmt::format("'{}' has {} samples, expected {} or more",
-                                          printable(series.name), series.values.size(), least));
+                                          printable(series.name), series.values.size(), min));
   const auto step = std::adjacent_find(series.time.begin(), series.time.end(),
                                        [](double a, double b) { return !(a < b); });
   if (step != series.time.end())
     throw InvalidInput(
         where,
         fmt::format("the time of '{}' does not increase: sample {} is at {} s, the one "
-                    "before at {} s, expected each later than the one before",
+                    "before at {} s, expected increasing times",
                     printable(series.name), step - series.time.begin() + 2, *(step + 1), *step));
 }
 

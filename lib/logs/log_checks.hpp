@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What both formats ask of a table, written or read.
+/// Checks of a table that both file formats require, when writing and when reading.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace quadtune::internal {
 
-/// @param where  What messages begin with: the file, or "log" for a table in memory.
-/// @throws InvalidInput  for columns of different length, a column without a name, a name that
-///                       stands twice, a text that is not UTF-8.
+/// @param where  beginning of messages: the file, or "log" for a table in memory
+/// @throws InvalidInput  if columns differ in length, a column has no name, a name appears twice,
+///                       or a text is not UTF-8
 void require_log(const LogTable& table, const std::string& where);
 
 }  // namespace quadtune::internal

@@ -10,9 +10,9 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-// Beyond it the whole seconds of two times could differ by more than an integer holds.
-constexpr double kFarthest = 1e15;   // [s]
-constexpr double kLeastEpoch = 1e6;  // [s]: here a double still holds a tenth of a nanosecond
+// Limit that keeps differences of whole seconds within the range of an integer.
+constexpr double kFarthest = 1e15;  // [s]
+constexpr double kMinEpoch = 1e6;   // [s]: up to here a double resolves a tenth of a nanosecond
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -27,7 +27,7 @@ LogTicks leading_ticks(std::string_view& text) {
   const auto advance = [&](const char* to) {
     text.remove_prefix(static_cast<std::size_t>(to - text.data()));
   };
-  // Digits, then nothing or a dot and digits, keep all of their digits.
+  // Digits, optionally followed by a dot and digits, are converted without loss.
   std::int64_t whole = 0;
   const auto [dot, whole_error] = std::from_chars(first, last, whole);
   const bool digits = whole_error == std::errc();
@@ -39,7 +39,7 @@ LogTicks leading_ticks(std::string_view& text) {
   const auto [end, error] = std::from_chars(first, last, value);
   if (error != std::errc() || !std::isfinite(value)) return {0, kNaN};
   advance(end);
-  if (!digits) return {0, value};  // "-.5", or more digits than an integer has
+  if (!digits) return {0, value};  // "-.5", or more digits than fit in an integer
   const char* digit = dot + 1;
   while (digit < end && is_digit(*digit)) ++digit;
   double fraction = 0;
@@ -57,14 +57,14 @@ double LogClock::seconds(const LogTicks& ticks, double ticks_per_s) {
   const auto left = static_cast<double>(ticks.whole % per_s);
   if (!std::isfinite(ticks.rest) || std::abs(static_cast<double>(whole_s)) > kFarthest)
     return seconds((static_cast<double>(ticks.whole) + ticks.rest) / ticks_per_s);
-  if (!epoch_s_) epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kLeastEpoch ? whole_s : 0;
+  if (!epoch_s_) epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kMinEpoch ? whole_s : 0;
   return static_cast<double>(whole_s - *epoch_s_) + (left + ticks.rest) / ticks_per_s;
 }
 
 double LogClock::seconds(double time_s) {
   if (!std::isfinite(time_s)) return kNaN;
   if (!epoch_s_)
-    epoch_s_ = std::abs(time_s) >= kLeastEpoch && std::abs(time_s) < kFarthest
+    epoch_s_ = std::abs(time_s) >= kMinEpoch && std::abs(time_s) < kFarthest
                    ? static_cast<std::int64_t>(time_s)
                    : 0;
   return time_s - static_cast<double>(*epoch_s_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "t_s:1, t_us:2, height[m]:19"
+// Parser of column selections: "t_s:1, t_us:2, height[m]:19".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,16 +19,17 @@ using internal::trimmed;
 
 LogColumnChoice choice_of(std::string_view item, const std::string& where) {
   if (item == "*") return {};
-  // A colon within brackets belongs to the unit.
+  // A colon within brackets is part of the unit.
   const std::size_t bracket = item.rfind(']');
   const std::size_t colon = item.find(':', bracket == std::string_view::npos ? 0 : bracket);
   const LogTitle title = internal::title_of(item.substr(0, colon));
   LogColumnChoice choice{title.name, title.unit, "", title.ticks};
   if (colon != std::string_view::npos) choice.column = trimmed(item.substr(colon + 1));
   if (choice.name.empty() || (colon != std::string_view::npos && choice.column.empty()))
-    throw InvalidInput(where, fmt::format("'{}' is no column, expected NAME[UNIT]:COLUMN such as "
-                                          "height[m]:19, a name alone, or * for all others",
-                                          printable(item)));
+    throw InvalidInput(where,
+                       fmt::format("'{}' is not a column, expected NAME[UNIT]:COLUMN such as "
+                                   "height[m]:19, a name alone, or * for all others",
+                                   printable(item)));
   return choice;
 }
 
@@ -44,7 +45,7 @@ std::vector<LogColumnChoice> parse_log_columns(const std::string& text, const st
       return other.name == choice.name && choice.ticks == other.ticks;
     });
     if (twice)
-      throw InvalidInput(where, fmt::format("'{}' stands twice, expected each name once",
+      throw InvalidInput(where, fmt::format("'{}' is given twice, expected each name once",
                                             choice.name.empty() ? "*" : printable(choice.name)));
     choices.push_back(choice);
     if (comma == std::string_view::npos) return choices;

@@ -14,17 +14,18 @@ namespace {
 
 using internal::IntervalStatistics;
 
-constexpr std::uint64_t kLeastRun = 20;  // of equal samples that may be a limit
-constexpr double kLeastMoving = 0.25;    // of the other samples
+constexpr std::uint64_t kMinRun = 20;  // minimum number of equal samples that may be a limit
+constexpr double kMinMoving = 0.25;    // fraction of the other samples
 
-// The longest run at an extreme value, and how many samples are there at all.
+// The longest run at an extreme value, and the number of samples at that value.
 struct Extreme {
   double value = 0;
   std::uint64_t run = 0;
   std::uint64_t longest = 0;
   std::uint64_t samples = 0;
 
-  bool from_start = false;  // the run began with the log: at rest, not at a limit
+  // The run started with the log: the signal was at rest rather than at a limit
+  bool from_start = false;
 
   void start(double x, bool first) { *this = {x, 1, first ? 0U : 1U, 1, first}; }
   void take(double x) {
@@ -72,7 +73,7 @@ class ChannelStatistics {
     const std::uint64_t run = std::max(low_.longest, high_.longest);
     const auto others =
         static_cast<double>(samples_ - std::min(samples_, low_.samples + high_.samples));
-    if (run >= kLeastRun && others > 0 && static_cast<double>(changes_) >= kLeastMoving * others)
+    if (run >= kMinRun && others > 0 && static_cast<double>(changes_) >= kMinMoving * others)
       survey.saturated = run;
   }
 
@@ -88,7 +89,7 @@ class ChannelStatistics {
 
 struct Channel {
   ChannelStatistics statistics;
-  std::unique_ptr<IntervalStatistics> own_times;  // from its first missing value on
+  std::unique_ptr<IntervalStatistics> own_times;  // only after its first missing value
 };
 
 struct Group {
@@ -139,8 +140,8 @@ LogSurvey survey_log(LogReader& reader) {
     const LogGroup& description = reader.groups()[i];
     group.channels.resize(description.channels.size());
     survey.groups.push_back({description, group.rows, group.times.timing()});
-    first = std::min(first, group.times.least());
-    last = std::max(last, group.times.greatest());
+    first = std::min(first, group.times.min());
+    last = std::max(last, group.times.max());
     for (std::size_t k = 0; k < group.channels.size(); ++k) {
       const Channel& channel = group.channels[k];
       LogChannelSurvey entry;

@@ -18,14 +18,14 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-// ROS calls the time of a measurement header.stamp, with a path before it.
+// ROS names the time of a measurement header.stamp, after a path.
 bool is_clock(std::string_view name) {
   const std::string word = lower(name);
   return word == "t" || word == "time" || word == "timestamp" || word == "stamp" ||
          word.ends_with("header.stamp");
 }
 
-// "TimeUS" is a clock in microseconds, as ArduPilot calls it.
+// "TimeUS" is ArduPilot's clock in microseconds.
 std::string_view unit_of_clock_name(std::string_view name) {
   const std::string word = lower(name);
   for (const std::string_view unit : {"us", "ms", "ns"})
@@ -36,7 +36,8 @@ std::string_view unit_of_clock_name(std::string_view name) {
   return {};
 }
 
-// Endings of the project's own keys. Single letters but m are names as well (v_N is north).
+// Suffixes of quadtune's own keys. Single letters other than m are not units, since they occur as
+// names (v_N is north).
 constexpr std::array<Pair, 14> kEndings = {{{"_m_per_s2", "m/s^2"},
                                             {"_m_per_s", "m/s"},
                                             {"_rad_per_s", "rad/s"},
@@ -52,7 +53,7 @@ constexpr std::array<Pair, 14> kEndings = {{{"_m_per_s2", "m/s^2"},
                                             {"_kg", "kg"},
                                             {"_m", "m"}}};
 
-// The name and what stands in brackets at its end.
+// Splits a text into the name and the content of brackets at its end.
 Pair bracketed(std::string_view text) {
   for (const Pair& brackets : {Pair{"[", "]"}, Pair{"(", ")"}}) {
     const std::size_t open = text.rfind(brackets.first);
@@ -62,7 +63,7 @@ Pair bracketed(std::string_view text) {
   return {text, ""};
 }
 
-// An index as in state[0] is part of the name.
+// An index as in state[0] belongs to the name.
 bool is_index(std::string_view text) {
   return !text.empty() && text != "1" && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isdigit(c) != 0 || c == ',';

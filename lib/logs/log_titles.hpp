@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What names of columns say of unit and time.
+/// Parses units and clocks from column names.
 #pragma once
 
 #include <string>
@@ -7,26 +7,27 @@
 
 namespace quadtune::internal {
 
-/// "z [m]" taken apart.
+/// A column title such as "z [m]", split into its parts.
 struct LogTitle {
-  std::string name;      ///< without the unit in brackets; as it is where the unit is its ending
-  std::string unit;      ///< "" where none is said
-  double ticks = 0;      ///< of a clock, so many a second; 0 for no clock
-  bool guessed = false;  ///< a clock that does not state its unit: unit_of_clock() judges it
+  std::string name;      ///< without the unit in brackets; a unit suffix remains part of the name
+  std::string unit;      ///< empty if not stated
+  double ticks = 0;      ///< for a clock: ticks per second; 0 otherwise
+  bool guessed = false;  ///< a clock without a stated unit; unit_of_clock() infers it
 };
 
-/// Understands "z[m]", "w_x [rad s^-1]", "time(ns)" and the endings of the project's own keys,
-/// "height_m", "rate_rad_per_s". A clock is called t, time, timestamp, stamp or ….header.stamp, in
-/// any case of letters, with a unit or the ending _s, _ms, _us or _ns; or as TimeUS.
+/// Parses "z[m]", "w_x [rad s^-1]", "time(ns)" and the suffixes of quadtune's own keys, "height_m",
+/// "rate_rad_per_s". A clock is named t, time, timestamp, stamp or ….header.stamp, in upper or
+/// lower case, with a unit or the suffix _s, _ms, _us or _ns; or TimeUS.
 [[nodiscard]] LogTitle title_of(std::string_view text);
 
-/// So many of a unit of time are a second; 0 for what is none.
+/// Ticks per second of a unit of time; 0 if it is not a unit of time.
 [[nodiscard]] double ticks_of(std::string_view unit);
 
-/// "rad s^-1" and "rad/s" as "rad/s"; "m s^-2", "m/s²" as "m/s^2". Others stay as they are.
+/// Normalizes spellings: "rad s^-1" to "rad/s"; "m s^-2" and "m/s²" to "m/s^2". Other units are
+/// unchanged.
 [[nodiscard]] std::string common_unit(std::string_view unit);
 
-/// `text` without blanks at its ends.
+/// `text` without leading and trailing blanks.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
 }  // namespace quadtune::internal

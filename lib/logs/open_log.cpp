@@ -21,7 +21,7 @@
 namespace quadtune {
 namespace {
 
-constexpr std::size_t kLooked = 4096;  // [bytes] at which a format is known
+constexpr std::size_t kLooked = 4096;  // [bytes] used to detect the format
 
 std::string format_of(std::string_view bytes) {
   if (internal::is_ulog(bytes)) return "ulog";
@@ -38,8 +38,8 @@ void require_options(const LogOptions& options, const std::string& format,
                        fmt::format("the rate is {} Hz, expected more than 0", options.rate_hz));
   const bool told = !options.columns.empty() || options.rate_hz > 0;
   if (told && format != "text")
-    throw InvalidInput(name, fmt::format("is read as {}, which tells its columns and times itself, "
-                                         "expected no columns and no rate: they belong to text",
+    throw InvalidInput(name, fmt::format("is read as {}, which defines its own columns and times; "
+                                         "columns and a rate apply to text only",
                                          format));
   constexpr std::int64_t kFarthest = 1'000'000'000'000'000;  // [s]
   if (options.epoch_s && (*options.epoch_s > kFarthest || *options.epoch_s < -kFarthest))
@@ -48,8 +48,8 @@ void require_options(const LogOptions& options, const std::string& format,
 }
 
 std::string cleaned(const std::string& text) {
-  constexpr std::size_t kLongest = 200;
-  std::string clean = text.substr(0, kLongest);
+  constexpr std::size_t kMax = 200;
+  std::string clean = text.substr(0, kMax);
   const bool utf8 = internal::utf16_of(clean).has_value();
   for (char& c : clean) {
     const auto byte = static_cast<unsigned char>(c);

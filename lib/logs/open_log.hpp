@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Opens a log that lies in a file or in memory.
+/// Opens a log in a file or in memory.
 #pragma once
 
 #include <memory>

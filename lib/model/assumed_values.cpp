@@ -47,7 +47,7 @@ class Absent {
     if (!found || !found->has(key)) add(table + "." + key, value);
   }
 
-  /// @param instead  a key that stands for this one; "" for none
+  /// @param instead  an alternative key; "" if there is none
   void of_rotors(const std::string& key, const std::string& instead, const std::string& value) {
     std::vector<TomlTable> tables = file_.tables("rotors");
     if (const auto shared = file_.maybe_table("rotor")) tables.push_back(*shared);

@@ -25,7 +25,7 @@ Air ideal_gas(double temperature, double pressure) {
           std::sqrt(kHeatRatio * kGasConstant * temperature)};             // a = √(γ R T)
 }
 
-// p = p₀ (T/T₀)^(g/(R L)) where the temperature falls by L per metre.
+// p = p₀ (T/T₀)^(g/(R L)) where the temperature decreases by L per metre.
 double troposphere_pressure(double temperature) {
   return kGroundPressure *
          std::pow(temperature / kGroundTemperature, kGravity / (kGasConstant * kLapseRate));
@@ -42,7 +42,7 @@ Air standard_atmosphere(double height) {
     const double temperature = kGroundTemperature - kLapseRate * height;
     return ideal_gas(temperature, troposphere_pressure(temperature));
   }
-  // p = p₁₁ exp(-g (h - h₁₁) / (R T)) where the temperature stays.
+  // p = p₁₁ exp(-g (h - h₁₁) / (R T)) where the temperature is constant.
   const double scale_height = kGasConstant * kStratosphereTemperature / kGravity;
   return ideal_gas(kStratosphereTemperature, troposphere_pressure(kStratosphereTemperature) *
                                                  std::exp(-(height - kTropopause) / scale_height));

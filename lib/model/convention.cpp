@@ -16,7 +16,7 @@
 namespace quadtune {
 namespace {
 
-// Where each quadtune state stands, in the order of ned_convention().
+// Indices of the states in ned_convention().
 enum NedState { px, py, pz, roll, pitch, yaw, u, v, w, p, q, r };
 
 struct Slot {
@@ -64,8 +64,8 @@ Convention make_ned() {
               {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}}, {1, 1, 1, 1});
 }
 
-// Turning both frames half a turn about x flips y and z of every vector, and with the same Euler
-// sequence the signs of pitch and yaw: diag(1,-1,-1) Rz(a) Ry(b) Rx(c) diag(1,-1,-1)
+// A rotation of both frames by half a turn about x negates y and z of every vector and, with the
+// same Euler sequence, pitch and yaw: diag(1,-1,-1) Rz(a) Ry(b) Rx(c) diag(1,-1,-1)
 // = Rz(-a) Ry(-b) Rx(c).
 Convention make_uquad() {
   return make("uquad",
@@ -111,7 +111,7 @@ bool same(const Convention& a, const Convention& b) {
          a.wrench == b.wrench && a.wrench_from_ned == b.wrench_from_ned && a.sign_law == b.sign_law;
 }
 
-/// Those of add_convention(). References stay valid: nothing is removed, and nodes do not move.
+/// The conventions of add_convention(). References stay valid: entries are never removed or moved.
 struct Added {
   std::mutex mutex;
   std::map<std::string, Convention> by_name;
@@ -161,10 +161,9 @@ const Convention& add_convention(const Convention& convention, const std::string
     known = &added().by_name.try_emplace(convention.name, convention).first->second;
   }
   if (!same(*known, convention))
-    throw InvalidInput(where,
-                       fmt::format("the convention '{}' differs from the one that is known by this "
-                                   "name, expected another name",
-                                   convention.name));
+    throw InvalidInput(where, fmt::format("another convention with the name '{}' is already "
+                                          "registered, expected a different name",
+                                          convention.name));
   return *known;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using internal::TomlTable;
 
-/// Signals of a flight program with the signed permutation that makes them from those of `ned`.
+/// The signals of a flight code, and the signed permutation that computes them from those of `ned`.
 struct Signals {
   std::vector<Signal> signals;
   Eigen::MatrixXd from_ned;
@@ -58,19 +58,20 @@ Signals read_signals(const TomlTable& file, const std::string& key,
                          fmt::format("{}: '{}' {}", key, internal::printable(entries[i]), problem));
     };
     if (equals == std::string::npos || !is_name(name))
-      refuse(
-          fmt::format("is no definition, expected 'NAME = {0}' or 'NAME = -{0}' with a name of at "
-                      "most 32 letters, digits and _",
-                      known[i]));
+      refuse(fmt::format(
+          "is not a definition, expected 'NAME = {0}' or 'NAME = -{0}' with a name of at "
+          "most 32 letters, digits and _",
+          known[i]));
     const auto at = std::find(known.begin(), known.end(), source);
     if (at == known.end())
-      refuse(fmt::format("names no signal of ned, expected one of {}{}",
+      refuse(fmt::format("does not name a signal of ned, expected one of {}{}",
                          internal::joined(known, ", "), internal::did_you_mean(source, known)));
     const Eigen::Index column = at - known.begin();
     if (!read.from_ned.col(column).isZero(0))
-      refuse(fmt::format("uses {} a second time, expected each once", source));
+      refuse(fmt::format("uses {}, which is already used; expected each once", source));
     for (const Signal& earlier : read.signals)
-      if (earlier.name == name) refuse("defines a name a second time, expected each once");
+      if (earlier.name == name)
+        refuse("defines a name that is already defined, expected unique names");
     read.from_ned(static_cast<Eigen::Index>(i), column) = negative ? -1 : 1;
     read.signals.push_back({name, ned[static_cast<std::size_t>(column)].unit});
   }

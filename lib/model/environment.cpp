@@ -36,15 +36,15 @@ double number_of(const std::string& text, const std::string& key, const std::str
 
 }  // namespace
 
-Wind wind_of_words(const std::string& words, const std::string& where) {
-  // Wind speeds at 6 m of [MIL-F-8785C].
+Wind parse_wind(const std::string& words, const std::string& where) {
+  // Wind speeds at 6 m according to [MIL-F-8785C].
   static const std::vector<std::pair<std::string, double>> kinds = {
       {"calm", 0}, {"light", 7.7}, {"moderate", 15.4}, {"severe", 23.2}};
   Wind wind;
   for (const auto& [name, speed] : kinds)
     if (words == name) {
       wind.turbulence = speed;
-      wind.mean.x() = speed;  // it is that wind, 6 m above the ground, that makes the turbulence
+      wind.mean.x() = speed;  // the wind speed at 6 m is also what drives the turbulence
       return wind;
     }
   const std::vector<std::pair<std::string, double*>> keys = {
@@ -72,10 +72,11 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
     for (const auto& [name, number] : keys)
       if (name == key) target = number;
     if (equals == std::string::npos && std::isdigit(static_cast<unsigned char>(key[0])) != 0)
-      throw InvalidInput(where, fmt::format("'{0}' has no direction, expected where the wind blows "
-                                            "to [m/s], such as north={0}, or light, moderate or "
-                                            "severe for turbulence",
-                                            internal::printable(entry)));
+      throw InvalidInput(
+          where, fmt::format("'{0}' has no direction, expected the direction the wind blows "
+                             "to [m/s], such as north={0}, or light, moderate or "
+                             "severe for turbulence",
+                             internal::printable(entry)));
     if (target == nullptr || equals == std::string::npos)
       throw InvalidInput(
           where, fmt::format("no wind '{}', expected calm, light, moderate, severe or a list like "
@@ -83,7 +84,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
                              internal::printable(entry), internal::joined(known, ", "),
                              internal::did_you_mean(key, known)));
     if (std::find(given.begin(), given.end(), target) != given.end())
-      throw InvalidInput(where, fmt::format("'{}' came twice, expected it once", key));
+      throw InvalidInput(where, fmt::format("'{}' is given twice, expected it once", key));
     given.push_back(target);
     *target = number_of(without_blanks(entry.substr(equals + 1)), key, where);
     begin = end + 1;
@@ -93,15 +94,15 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
                        fmt::format("gust_length is {} s, expected more than 0", wind.gust.length));
   if (wind.mean.norm() > 100 || wind.gust.velocity.norm() > 100)
     throw InvalidInput(where,
-                       "the wind is faster than 100 m/s, expected air that a vehicle of this "
-                       "kind can meet");
+                       "the wind is faster than 100 m/s, expected at most 100 m/s, since "
+                       "no multirotor flies in it");
   if (!(wind.turbulence >= 0 && wind.turbulence <= 100))
     throw InvalidInput(where,
                        fmt::format("turbulence is {} m/s, expected 0 to 100", wind.turbulence));
   if (!(wind.turbulence_height >= 3 && wind.turbulence_height <= 300))
     throw InvalidInput(where,
                        fmt::format("turbulence_height is {} m, expected 3 to 300, where the scales "
-                                   "of turbulence are known",
+                                   "of turbulence are defined",
                                    wind.turbulence_height));
   return wind;
 }

@@ -22,8 +22,8 @@ struct FrequencyResponse::Reduced {
 
 namespace {
 
-/// Solves (λI - H) X = B for an upper Hessenberg H: of each column's two rows the larger is the
-/// pivot.
+/// Solves (λI - H) X = B for an upper Hessenberg H by Gaussian elimination; in each column the
+/// larger of the two rows is the pivot.
 MatrixXcd solve_hessenberg(const MatrixXd& H, std::complex<double> lambda, const MatrixXd& B) {
   const Index n = H.rows();
   MatrixXcd M = -H.cast<std::complex<double>>();

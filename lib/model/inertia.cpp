@@ -14,8 +14,8 @@
 namespace quadtune {
 namespace {
 
-constexpr double kLeastInertia = 1e-30;  // [kg m²], so that its inverse is far from overflowing
-constexpr double kLeastRatio = 1e-9;     // to the largest
+constexpr double kMinInertia = 1e-30;  // [kg m²], so that the inverse does not overflow
+constexpr double kMinRatio = 1e-9;     // relative to the largest
 
 // Inertia of a point mass at d: m (|d|² I - d dᵀ).
 Eigen::Matrix3d point_inertia(double mass, const Eigen::Vector3d& d) {
@@ -32,7 +32,7 @@ void require_part(const Sphere& part, std::size_t number) {
     throw InvalidInput(where, "position is not finite, expected finite numbers");
 }
 
-// The body axis nearest to a principal axis, for messages.
+// The body axis nearest to a principal axis, as a letter for messages.
 char axis_name(const Eigen::Vector3d& principal_axis) {
   Eigen::Index axis = 0;
   principal_axis.cwiseAbs().maxCoeff(&axis);
@@ -66,21 +66,21 @@ void require_inertia(const Eigen::Matrix3d& J, const std::string& where, double 
   const auto axis = [&](Eigen::Index i) { return axis_name(principal.eigenvectors().col(i)); };
   if (!(I(0) > 0))
     throw InvalidInput(
-        where, fmt::format("inertia about {} is {:.6g} kg m2, expected more than 0, as a body has "
-                           "mass off every axis",
+        where, fmt::format("inertia about {} is {:.6g} kg m2, expected more than 0 because a body "
+                           "has mass off every axis",
                            axis(0), I(0)));
-  if (!(I(0) >= kLeastInertia) || !(I(0) >= kLeastRatio * I(2)))
+  if (!(I(0) >= kMinInertia) || !(I(0) >= kMinRatio * I(2)))
     throw InvalidInput(
-        where, fmt::format("inertia about {} is {:.6g} kg m2, expected at least {:.2g}, as a body "
-                           "is no thinner than that",
-                           axis(0), I(0), std::max(kLeastInertia, kLeastRatio * I(2))));
+        where, fmt::format("inertia about {} is {:.6g} kg m2, expected at least {:.2g} because no "
+                           "body is thinner",
+                           axis(0), I(0), std::max(kMinInertia, kMinRatio * I(2))));
   // I₁ + I₂ ≥ I₃ since I₁ + I₂ - I₃ = 2 ∫ x₃² dm; a plate meets it with equality, up to rounding.
   const double excess = I(2) - I(0) - I(1);
   if (excess > (tolerance + 1e-9) * I(2))
     throw InvalidInput(
-        where, fmt::format("inertia breaks the triangle inequality: about {} it is {:.6g} kg m2, "
+        where, fmt::format("inertia violates the triangle inequality: about {} it is {:.6g} kg m2, "
                            "which exceeds the sum of the other two, {:.6g}, by {:.3g}; expected at "
-                           "most the sum, as no body has more",
+                           "most the sum, which no rigid body exceeds",
                            axis(2), I(2), I(0) + I(1), excess));
 }
 

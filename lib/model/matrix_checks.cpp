@@ -15,7 +15,7 @@ std::string shape(const Eigen::Ref<const Eigen::MatrixXd>& M) {
 
 void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::string& where,
                     const std::string& name) {
-  // The sum is finite only if every entry is, and unlike allFinite() it is computed in vectors.
+  // The sum is finite only if every entry is; unlike allFinite() it is vectorized.
   if (std::isfinite(M.cwiseAbs().sum()) || M.allFinite()) return;
   for (Eigen::Index i = 0; i < M.rows(); ++i)
     for (Eigen::Index j = 0; j < M.cols(); ++j)

@@ -15,13 +15,14 @@
 namespace quadtune {
 namespace {
 
+/// Lower bound of the search as a fraction of the speed range.
 constexpr double kTolerance = 1e-12;  // on MixResult::residual
-constexpr double kFloor = 1e-6;       // share of the speed range that the search does not go below
-constexpr int kMostSteps = 50;        // Newton steps in all; five are typical
+constexpr double kFloor = 1e-6;
+constexpr int kMaxSteps = 50;  // total number of Newton steps; five are typical
 constexpr const char* kAxes[] = {"T", "tau_x", "tau_y", "tau_z"};
 constexpr const char* kUnits[] = {"N", "N m", "N m", "N m"};
 
-// Column of one rotor for thrust `thrust` and drag torque `torque`: [T, -y T, x T, -s Q].
+// The wrench of one rotor with thrust `thrust` and drag torque `torque`: [T, -y T, x T, -s Q].
 Eigen::Vector4d rotor_wrench(const Rotor& rotor, double thrust, double torque) {
   return {thrust, -rotor.position.y() * thrust, rotor.position.x() * thrust,
           -spin_sign(rotor.spin) * torque};
@@ -42,18 +43,18 @@ void require_speeds(const Vehicle& vehicle, const Eigen::VectorXd& w, const std:
   require_finite(w, where, "w");
 }
 
-// Newton's method on wrench_of_speeds within the speed limits.
+// Newton's method on wrench_of_speeds() within the speed limits.
 class SpeedSearch {
  public:
   SpeedSearch(const Vehicle& vehicle, const Eigen::Vector4d& target, double density_ratio)
       : vehicle_(vehicle),
         target_(target),
         density_ratio_(density_ratio),
-        low_(least_speed(vehicle)),
-        high_(greatest_speed(vehicle)),
+        low_(min_speed(vehicle)),
+        high_(max_speed(vehicle)),
         free_(vehicle.rotors.size(), true) {
-    // Newton or newton metre that one unit of the residual stands for.
-    const double thrust = greatest_thrust(vehicle, density_ratio);
+    // Newtons or newton metres per unit of the residual.
+    const double thrust = max_thrust(vehicle, density_ratio);
     double arm = 0;
     double drag = 0;
     for (const Rotor& rotor : vehicle.rotors) {
@@ -66,7 +67,7 @@ class SpeedSearch {
 
   MixResult run() {
     start();
-    // One pass per rotor that may have to be held at a limit.
+    // One pass for each rotor that may have to be fixed at a limit.
     for (std::size_t held = 0; held <= vehicle_.rotors.size(); ++held) {
       newton();
       if (!hold_beyond_limits()) break;
@@ -77,7 +78,7 @@ class SpeedSearch {
  private:
   Eigen::Index count() const { return static_cast<Eigen::Index>(vehicle_.rotors.size()); }
 
-  // Even thrust, as in hover; with some speed, so that the curves have a slope to follow.
+  // Equal thrusts, as in hover, with nonzero speeds, so that the curves have a slope.
   void start() {
     w_.resize(count());
     const double share = std::max(target_(0), 0.0) / density_ratio_ / static_cast<double>(count());
@@ -87,7 +88,7 @@ class SpeedSearch {
     for (Eigen::Index i = 0; i < count(); ++i) w_(i) = std::max(w_(i), above_turn(i, 0.05));
   }
 
-  // Speed at `share` of the way from the turning point of the thrust curve to the greatest speed.
+  // Speed at fraction `share` between the turning point of the thrust curve and the maximum speed.
   double above_turn(Eigen::Index i, double share) const {
     const double turn = std::max(0.0, -rotor(i).thrust_a1 / (2 * rotor(i).thrust_a2));
     return turn + share * std::max(0.0, high_ - turn);
@@ -99,11 +100,11 @@ class SpeedSearch {
     return (target_ - wrench_of_speeds(vehicle_, w, density_ratio_)).cwiseQuotient(scale_);
   }
 
-  // Least-norm Newton steps of the free rotors, halved until the error falls. Speeds may leave the
-  // limits here, but not fall below the turning point of their thrust curve.
+  // Least-norm Newton steps of the free rotors, halved until the error decreases. Speeds may exceed
+  // the limits here, but not fall below the turning point of their thrust curve.
   void newton() {
     double residual = error(w_).norm();
-    while (residual > kTolerance && steps_ < kMostSteps) {
+    while (residual > kTolerance && steps_ < kMaxSteps) {
       ++steps_;
       Eigen::MatrixXd J =
           scale_.cwiseInverse().asDiagonal() * wrench_jacobian(vehicle_, w_, density_ratio_);
@@ -118,7 +119,7 @@ class SpeedSearch {
         next = stepped(step, length);
       }
       const double now = error(next).norm();
-      if (!(now < residual)) return;  // at the least error, or at rounding
+      if (!(now < residual)) return;  // at the minimum of the error, or at rounding
       const bool stalled = now > 0.999999 * residual;
       w_ = next;
       residual = now;
@@ -133,15 +134,16 @@ class SpeedSearch {
     return next;
   }
 
-  // Puts every free rotor beyond a limit at that limit for good. False when there was none.
+  // Fixes every free rotor that is beyond a limit at that limit. Returns false if there was none.
   bool hold_beyond_limits() {
     bool any = false;
     for (Eigen::Index i = 0; i < count(); ++i) {
       const double slack = 1e-9 * high_;
       if (!free_[static_cast<std::size_t>(i)]) continue;
-      // At the floor of stepped() the search wants less than any speed gives.
-      const double least = std::max(low_ - slack, above_turn(i, 1.001 * kFloor));
-      if (w_(i) <= high_ + slack && w_(i) >= least) continue;
+      // A rotor at the lower bound of stepped() would need less thrust than it produces at any
+      // speed.
+      const double min = std::max(low_ - slack, above_turn(i, 1.001 * kFloor));
+      if (w_(i) <= high_ + slack && w_(i) >= min) continue;
       free_[static_cast<std::size_t>(i)] = false;
       any = true;
     }
@@ -163,7 +165,8 @@ class SpeedSearch {
     }
     const bool held = std::any_of(free_.begin(), free_.end(), [](bool free) { return !free; });
     result.status = held ? MixStatus::saturated : MixStatus::infeasible;
-    result.culprit = held ? rotors_at_limits() : std::string("the layout cannot make this wrench");
+    result.culprit =
+        held ? rotors_at_limits() : std::string("the layout cannot produce this wrench");
     result.culprit += missing_in_words(result.missing);
     return result;
   }
@@ -175,7 +178,7 @@ class SpeedSearch {
       const bool top = w_(i) >= high_;
       words +=
           fmt::format("{}rotor {} is at its {} speed of {:.6g} rad/s", words.empty() ? "" : ", ",
-                      i + 1, top ? "greatest" : "least", top ? high_ : low_);
+                      i + 1, top ? "maximum" : "minimum", top ? high_ : low_);
     }
     return words;
   }
@@ -210,11 +213,11 @@ Eigen::Vector4d wrench_authority(const Vehicle& vehicle, const Eigen::VectorXd& 
   Eigen::Vector4d authority = Eigen::Vector4d::Zero();
   for (Eigen::Index i = 0; i < 4; ++i) {
     const Eigen::VectorXd change = speeds.col(i).cwiseAbs();
-    double most = std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
     for (Eigen::Index k = 0; k < w.size(); ++k)
       if (change(k) > 0)
-        most = std::min(most, std::max(0.0, std::min(fastest - w(k), w(k) - slowest)) / change(k));
-    if (std::isfinite(most)) authority(i) = most;
+        max = std::min(max, std::max(0.0, std::min(fastest - w(k), w(k) - slowest)) / change(k));
+    if (std::isfinite(max)) authority(i) = max;
   }
   return authority;
 }
@@ -232,10 +235,11 @@ Eigen::MatrixXd wrench_jacobian(const Vehicle& vehicle, const Eigen::VectorXd& w
 Eigen::MatrixXd mixer_matrix(const Vehicle& vehicle) {
   return columns(vehicle, [&](const Rotor& rotor, Eigen::Index i) {
     if (rotor.thrust_a1 != 0 || rotor.torque_d1 != 0)
-      throw InvalidInput("mixer_matrix",
-                         fmt::format("rotor {} of '{}' has a thrust or torque that is linear in "
-                                     "speed, expected pure squares, as only they give a matrix",
-                                     i + 1, vehicle.name));
+      throw InvalidInput(
+          "mixer_matrix",
+          fmt::format("rotor {} of '{}' has a thrust or torque with a linear term "
+                      "in speed, expected pure squares because only they give a matrix",
+                      i + 1, vehicle.name));
     return rotor_wrench(rotor, rotor.thrust_a2, rotor.torque_d2);
   });
 }
@@ -249,7 +253,7 @@ Eigen::MatrixXd allocation_matrix(const Vehicle& vehicle) {
     if (std::abs(difference) > 1e-12 * size)
       throw InvalidInput("allocation_matrix",
                          fmt::format("drag torque of rotor {} of '{}' is not proportional to its "
-                                     "thrust, expected one ratio at all speeds",
+                                     "thrust, expected the same ratio at all speeds",
                                      i + 1, vehicle.name));
     return rotor_wrench(rotor, 1, rotor.torque_d2 / rotor.thrust_a2);
   });
@@ -272,41 +276,43 @@ MixResult speeds_for_wrench(const Vehicle& vehicle, const Eigen::Vector4d& wrenc
   return SpeedSearch(vehicle, wrench, density_ratio).run();
 }
 
-double least_speed(const Vehicle& vehicle) {
+double min_speed(const Vehicle& vehicle) {
   return speed_of_command(vehicle.motor, vehicle.motor.min);
 }
 
-double greatest_speed(const Vehicle& vehicle) {
+double max_speed(const Vehicle& vehicle) {
   return speed_of_command(vehicle.motor, vehicle.motor.max);
 }
 
-double greatest_thrust(const Vehicle& vehicle, double density_ratio) {
+double max_thrust(const Vehicle& vehicle, double density_ratio) {
   double total = 0;
   for (const Rotor& rotor : vehicle.rotors)
-    total += rotor_thrust(rotor, greatest_speed(vehicle), density_ratio);
+    total += rotor_thrust(rotor, max_speed(vehicle), density_ratio);
   return total;
 }
 
 double thrust_to_weight(const Vehicle& vehicle) {
-  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
+  return max_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
 }
 
 double altitude_thrust_limit(const Vehicle& vehicle) {
-  return vehicle.altitude_thrust_fraction * greatest_thrust(vehicle);
+  return vehicle.altitude_thrust_fraction * max_thrust(vehicle);
 }
 
 double command_per_thrust(const Vehicle& vehicle) {
   const std::string where = "command_per_thrust";
   if (vehicle.motor.law != CommandLaw::speed_squared)
-    throw InvalidInput(where, fmt::format("motors of '{}' take a speed, expected a squared speed, "
-                                          "which is proportional to thrust",
-                                          vehicle.name));
-  if (vehicle.rotors.empty()) throw InvalidInput(where, "vehicle has no rotors, expected one");
+    throw InvalidInput(where,
+                       fmt::format("motor commands of '{}' are speeds, expected squared speeds, "
+                                   "which are proportional to thrust",
+                                   vehicle.name));
+  if (vehicle.rotors.empty())
+    throw InvalidInput(where, "vehicle has no rotors, expected at least one");
   const Rotor& first = vehicle.rotors.front();
   for (const Rotor& rotor : vehicle.rotors)
     if (rotor.thrust_a1 != 0 || rotor.thrust_a2 != first.thrust_a2)
       throw InvalidInput(where, fmt::format("rotors of '{}' differ or have a linear thrust term, "
-                                            "expected T = a2 w2 alike for all",
+                                            "expected T = a2 w2 with the same a2 for all",
                                             vehicle.name));
   return 1 / (first.thrust_a2 * vehicle.motor.gain);  // T = a2 w², w² = gain command
 }
@@ -317,12 +323,13 @@ ThrustMixer thrust_mixer(const Vehicle& vehicle) {
                                                    vehicle.rotors.size()));
   const Eigen::Matrix4d M = allocation_matrix(vehicle);
   ThrustMixer mixer;
-  // Thrusts t = -T along +z: the force is their sum, the torques change sign; yaw, pitch, roll.
+  // Thrusts t = -T act along +z: the force is their sum, and the torques change sign; yaw, pitch,
+  // roll.
   mixer.Ts2Q << M.row(0), -M.row(3), -M.row(2), -M.row(1);
   const Eigen::FullPivLU<Eigen::Matrix4d> lu(mixer.Ts2Q);
   if (!lu.isInvertible())
     throw InvalidInput("thrust_mixer",
-                       fmt::format("rotors of '{}' give only {} of thrust, yaw, pitch and roll "
+                       fmt::format("rotors of '{}' control only {} of thrust, yaw, pitch and roll "
                                    "independently, expected all 4",
                                    vehicle.name, lu.rank()));
   mixer.Q2Ts = lu.inverse();

@@ -22,7 +22,7 @@ struct PlausibleRange {
   [[nodiscard]] bool holds(double value) const { return low <= value && value <= high; }
 };
 
-/// A mistake by which a right value becomes the wrong one: it was multiplied by `factor`.
+/// A mistake that multiplies the correct value by `factor`.
 struct Mistake {
   double factor;
   std::string what;
@@ -39,7 +39,7 @@ class Search {
   std::vector<Implausibility> found() {
     environment();
     const bool arm_fits = arm();
-    // Measured by what is wrong, what is right would be told to be wrong.
+    // If the arm length is wrong, a correct inertia would be reported as wrong.
     const bool inertia_fits = arm_fits && inertia();
     const bool weight_fits = weight();
     drag_torque();
@@ -51,8 +51,8 @@ class Search {
   }
 
  private:
-  /// @param mistakes  told is the one that brings the value into the range, nearest to its middle
-  /// @return          whether it is in the range
+  /// @param mistakes  the one reported brings the value into the range, closest to its middle
+  /// @return          whether the value is within the range
   bool look(const std::string& quantity, const std::string& unit, double value,
             const PlausibleRange& range, const std::vector<Mistake>& mistakes) {
     if (range.holds(value)) return true;
@@ -80,7 +80,7 @@ class Search {
           {1e3, "air_density_kg_per_m3 may be in g/m3"}});
   }
 
-  /// m/L³ of multirotors from 10 g to 30 kg is between 20 and 1000 kg/m³.
+  /// m/L³ of multirotors between 10 g and 30 kg is 20 to 1000 kg/m³.
   bool arm() {
     if (!(arm_ > 0)) return false;
     const PlausibleRange range{std::cbrt(vehicle_.mass / 5000), std::cbrt(vehicle_.mass / 5)};
@@ -88,12 +88,12 @@ class Search {
                 {{1000, "position_m may be in mm"},
                  {100, "position_m may be in cm"},
                  {39.37, "position_m may be in inches"},
-                 {0.1, "mass_kg may be in g"},  // the range goes with the cube root
+                 {0.1, "mass_kg may be in g"},  // the range scales with the cube root
                  {10, "mass_kg may be too small by a thousand"}});
   }
 
-  /// Arms with motors at their ends have 0.2 to 0.5 m L² about each level axis, twice that about
-  /// the vertical.
+  /// Arms with motors at their ends have 0.2 to 0.5 m L² about each horizontal axis, twice that
+  /// about the vertical axis.
   bool inertia() {
     const double size = vehicle_.mass * arm_ * arm_;
     const Eigen::Vector3d moments =
@@ -103,7 +103,7 @@ class Search {
                                         {1e9, "inertia_kg_m2 may be in g mm2"},
                                         {1e6, "inertia_kg_m2 may be in kg mm2"},
                                         {1e3, "inertia_kg_m2 may be in g m2"}};
-    // One line for all three: they stand in one key.
+    // One line for all three moments, because they share a key.
     const PlausibleRange range{0.03, 3};
     const double largest = moments(2) / size;
     if (range.holds(largest))
@@ -115,7 +115,7 @@ class Search {
   bool weight() {
     const double ratio = thrust_to_weight(vehicle_);
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
-    const std::string most = speed ? "max_rad_s" : "max_count";
+    const std::string max = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;
     if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s may be in rpm"});
     mistakes.insert(mistakes.end(), {{kRpm * kRpm, "the thrust curve may be for speeds in rpm"},
@@ -124,15 +124,15 @@ class Search {
                                      {1e3, "the thrust curve may be in mN, or mass_kg in t"},
                                      {1 / 9.81, "the thrust curve may be in kgf"},
                                      {1e3 / 9.81, "the thrust curve may be in gf"}});
-    return look("thrust-to-weight at " + most, "", ratio, {1, 10}, mistakes);
+    return look("thrust-to-weight at " + max, "", ratio, {1, 10}, mistakes);
   }
 
-  /// Drag torque of a rotor over its thrust: a twentieth to a third of its radius.
+  /// Ratio of a rotor's drag torque to its thrust: a twentieth to a third of its radius.
   void drag_torque() {
     const Rotor& rotor = vehicle_.rotors.front();
     const double w = rotor_speed_for_thrust(rotor, thrust_);
     const double torque = rotor_torque(rotor, w);
-    if (!(torque > 0)) return;  // none is known
+    if (!(torque > 0)) return;  // no drag torque is known
     look("drag torque over thrust of a rotor at hover", "m", torque / thrust_, {5e-4, 0.1},
          {{1000, "the torque curve may be in N mm"},
           {100, "the torque curve may be in N cm"},
@@ -141,14 +141,16 @@ class Search {
           {kRpm * kRpm, "thrust and torque may be for speeds in different units"}});
   }
 
-  /// T = C_T ρ π R⁴ w² with C_T of propellers, and R what is known or has room between neighbours.
+  /// T = C_T ρ π R⁴ w² with the C_T of propellers; R is known or limited by the distance between
+  /// rotors.
   void speed() {
     const Rotor& rotor = vehicle_.rotors.front();
     const bool known = !std::isnan(rotor.radius);
     const double radius = known ? rotor.radius : room();
     if (!(radius > 0)) return;
     const double w = rotor_speed_for_thrust(rotor, thrust_);
-    // A propeller may have less than half of the room: C_T falls with the fourth power.
+    // A propeller may be smaller than half of the available radius: C_T scales with its fourth
+    // power.
     const PlausibleRange coefficient =
         known ? PlausibleRange{0.002, 0.06} : PlausibleRange{0.0002, 0.06};
     const double disc = vehicle_.air_density * std::numbers::pi * std::pow(radius, 4);
@@ -169,16 +171,16 @@ class Search {
          "rad/s", w, range, mistakes);
   }
 
-  /// Half the distance of the two rotors that are nearest to each other, seen from above.
+  /// Half the horizontal distance between the two rotors that are closest to each other.
   [[nodiscard]] double room() const {
-    double least = 0;
+    double min = 0;
     for (const Rotor& a : vehicle_.rotors)
       for (const Rotor& b : vehicle_.rotors) {
         const double distance = (a.position - b.position).head<2>().norm();
-        // Rotors above one another have room.
-        if (distance > 1e-6 * arm_ && (least == 0 || distance < least)) least = distance;
+        // Coaxial rotors do not limit each other.
+        if (distance > 1e-6 * arm_ && (min == 0 || distance < min)) min = distance;
       }
-    return least / 2;
+    return min / 2;
   }
 
   void motors(bool inertia_fits) {
@@ -197,7 +199,7 @@ class Search {
             {1e3, "inertia_kg_m2 of the rotor may be in g m2"}});
   }
 
-  /// Energy over the vehicle's mass; the best cells have 300 W h/kg.
+  /// Energy per mass of the vehicle; the best cells have 300 W h/kg.
   void battery() {
     if (!vehicle_.battery) return;
     const Battery& battery = *vehicle_.battery;
@@ -206,7 +208,7 @@ class Search {
          {{1000, "capacity_A_h may be in mA h"}, {1e-3, "capacity_A_h may be in kA h"}});
   }
 
-  /// No flown loop is analysed with a sensor that is later than 40 control periods of 5 ms.
+  /// Flown loops are not analysed with sensor delays above 40 control periods of 5 ms.
   void delays() {
     const Sensors& sensors = vehicle_.sensors;
     const auto delay = [&](const char* name, const SensorFaults* faults) {
@@ -236,7 +238,9 @@ class Search {
 
 }  // namespace
 
-std::vector<Implausibility> implausible(const Vehicle& vehicle) { return Search(vehicle).found(); }
+std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle) {
+  return Search(vehicle).found();
+}
 
 std::string to_string(const Implausibility& figure) {
   const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;

@@ -28,8 +28,8 @@ RigidBody RigidBody::of_vehicle(const Vehicle& vehicle, double ratio) {
   const Eigen::LLT<Eigen::Matrix3d> llt(J);
   if (!J.allFinite() || !J.isApprox(J.transpose(), 1e-10) || llt.info() != Eigen::Success)
     throw InvalidInput(where,
-                       "inertia is not a symmetric positive definite matrix, expected one because "
-                       "the rates follow from its inverse");
+                       "inertia is not symmetric and positive definite, which is required because "
+                       "the rates are computed with its inverse");
   RigidBody body;
   body.mass = vehicle.mass;
   body.inverse_mass = 1 / vehicle.mass;

@@ -15,8 +15,8 @@ constexpr Range kRate = {0, Range::Bound::open, 10000, Range::Bound::closed};
 constexpr Range kDelay = {0, Range::Bound::closed, 10, Range::Bound::closed};
 constexpr Range kHalfField = {0, Range::Bound::open, 1.5, Range::Bound::closed};
 constexpr Range kTilt = {0, Range::Bound::open, 1.5, Range::Bound::closed};
-/// Samples that may be on their way at once.
-constexpr double kMostWaiting = 10000;
+/// Maximum number of samples that may be in transit at once.
+constexpr double kMaxWaiting = 10000;
 
 std::vector<TomlKey> fault_keys(const std::string& unit) {
   return {{"rate", "Hz"},
@@ -41,7 +41,7 @@ void allow(const TomlTable& table, const std::string& unit, std::vector<TomlKey>
   table.allow(keys);
 }
 
-/// A number for every axis, or one number for all.
+/// One number per axis, or one number for all axes.
 Eigen::Vector3d axes(const TomlTable& table, const std::string& key,
                      const Eigen::Vector3d& fallback, int count, const Range& range) {
   if (!table.has(key)) return fallback;
@@ -60,10 +60,10 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   SensorFaults faults;
   faults.rate = table.number("rate_Hz", kRate);
   faults.delay = table.number_or("delay_s", 0, kDelay);
-  if (faults.delay * faults.rate > kMostWaiting)
+  if (faults.delay * faults.rate > kMaxWaiting)
     throw InvalidInput(table.where("delay_s"),
-                       fmt::format("delay_s in {} holds {:.0f} samples, expected at most {:.0f}",
-                                   table.title(), faults.delay * faults.rate, kMostWaiting));
+                       fmt::format("delay_s in {} spans {:.0f} samples, expected at most {:.0f}",
+                                   table.title(), faults.delay * faults.rate, kMaxWaiting));
   faults.scale = axes(table, "scale", faults.scale, count, Range::positive());
   faults.bias = axes(table, "bias_" + unit, faults.bias, count, Range::any());
   faults.noise = axes(table, "noise_" + unit, faults.noise, count, Range::not_negative());
@@ -84,8 +84,8 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   if (correlated != table.has("correlation_s"))
     throw InvalidInput(
         table.where(correlated ? "correlated_noise_" + unit : "correlation_s"),
-        fmt::format("{} has {} but no {}, expected both: how large the error is, and over which "
-                    "time it stays alike",
+        fmt::format("{} has {} but no {}, expected both: the standard deviation of the error and "
+                    "its correlation time",
                     table.title(), correlated ? "correlated_noise_" + unit : "correlation_s",
                     correlated ? "correlation_s" : "correlated_noise_" + unit));
   return faults;
@@ -95,16 +95,15 @@ SonarSensor read_sonar(const TomlTable& table) {
   allow(table, "m", {{"least_range", "m"}, {"greatest_range", "m"}, {"greatest_tilt", "rad"}});
   SonarSensor sonar;
   sonar.faults = read_faults(table, "m", 1);
-  sonar.least_range = table.number_or("least_range_m", 0, Range::not_negative());
-  sonar.greatest_range =
-      table.number_or("greatest_range_m", sonar.greatest_range, Range::positive());
-  if (!(sonar.greatest_range > sonar.least_range))
+  sonar.min_range = table.number_or("least_range_m", 0, Range::not_negative());
+  sonar.max_range = table.number_or("greatest_range_m", sonar.max_range, Range::positive());
+  if (!(sonar.max_range > sonar.min_range))
     throw InvalidInput(
         table.where("greatest_range_m"),
         fmt::format("greatest_range_m in {} is {}, expected more than least_range_m, "
                     "{}",
-                    table.title(), sonar.greatest_range, sonar.least_range));
-  sonar.greatest_tilt = table.number_or("greatest_tilt_rad", sonar.greatest_tilt, kTilt);
+                    table.title(), sonar.max_range, sonar.min_range));
+  sonar.max_tilt = table.number_or("greatest_tilt_rad", sonar.max_tilt, kTilt);
   return sonar;
 }
 
@@ -120,14 +119,13 @@ FlowSensor read_flow(const TomlTable& table) {
   flow.faults = read_faults(table, "rad_per_s", 2);
   flow.half_field_x = table.number_or("half_field_x_rad", flow.half_field_x, kHalfField);
   flow.half_field_y = table.number_or("half_field_y_rad", flow.half_field_y, kHalfField);
-  flow.least_height = table.number_or("least_height_m", flow.least_height, Range::positive());
-  flow.greatest_height =
-      table.number_or("greatest_height_m", flow.greatest_height, Range::positive());
-  if (!(flow.greatest_height > flow.least_height))
+  flow.min_height = table.number_or("least_height_m", flow.min_height, Range::positive());
+  flow.max_height = table.number_or("greatest_height_m", flow.max_height, Range::positive());
+  if (!(flow.max_height > flow.min_height))
     throw InvalidInput(table.where("greatest_height_m"),
                        fmt::format("greatest_height_m in {} is {}, expected more than "
                                    "least_height_m, {}",
-                                   table.title(), flow.greatest_height, flow.least_height));
+                                   table.title(), flow.max_height, flow.min_height));
   flow.noise_per_height =
       table.number_or("noise_per_height_rad_per_s_per_m", 0, Range::not_negative());
   flow.simplified_rate_gain = table.number_or("simplified_rate_gain", flow.simplified_rate_gain);
@@ -158,7 +156,7 @@ SensorFaults read_three_axes(const TomlTable& table, const std::string& unit) {
   return read_faults(table, unit, 3);
 }
 
-/// An accelerometer or a gyroscope, which the rotors shake.
+/// An accelerometer or a gyroscope, which is subject to vibrations of the rotors.
 SensorFaults read_inertial(const TomlTable& table, const std::string& unit,
                            std::vector<TomlKey> more = {}) {
   const std::string vibration = unit + "_per_rad2_s2";

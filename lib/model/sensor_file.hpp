@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// [sensors] and [battery] of a vehicle file.
+/// Reads [sensors] and [battery] of a vehicle file.
 #pragma once
 
 #include "quadtune/internal/toml_reader.hpp"
@@ -8,7 +8,7 @@
 
 namespace quadtune::internal {
 
-/// The sensors that the table names, and no others.
+/// The sensors that the table lists; the others are empty.
 [[nodiscard]] Sensors read_sensors(const TomlTable& table);
 [[nodiscard]] Battery read_battery(const TomlTable& table);
 

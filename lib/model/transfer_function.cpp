@@ -29,16 +29,16 @@ void require_fraction(const VectorXd& num, const VectorXd& den, const std::strin
   require_finite(den, where, "den");
   if (den[0] == 0)
     throw InvalidInput(where,
-                       "the first coefficient of den is 0, expected another number because it is "
-                       "that of the highest power; leave leading zeros out");
+                       "the first coefficient of den is 0, expected a nonzero number because it "
+                       "belongs to the highest power; omit leading zeros");
   const Index zeros = without_leading_zeros(num).size();
   if (zeros > den.size())
     throw InvalidInput(where, fmt::format("num has degree {}, den {}, expected no more zeros than "
-                                          "poles because what differentiates has no states",
+                                          "poles because a differentiator has no states",
                                           zeros - 1, den.size() - 1));
 }
 
-/// A gain has nothing to be realized by.
+/// A constant has no realization with states.
 void require_a_pole(const VectorXd& den) {
   if (den.size() < 2)
     throw InvalidInput("realize",
@@ -70,7 +70,7 @@ Lti canonical_form(const VectorXd& num, const VectorXd& den, double sigma) {
   return plant;
 }
 
-/// A power of two near the size of the largest pole: max |aᵢ|^(1/i).
+/// A power of two close to the magnitude of the largest pole: max |aᵢ|^(1/i).
 double pole_size(const VectorXd& den) {
   double size = 0;
   for (Index i = 1; i < den.size(); ++i)
@@ -78,7 +78,7 @@ double pole_size(const VectorXd& den) {
   return size > 0 && std::isfinite(size) ? std::ldexp(1.0, std::ilogb(size)) : 1.0;
 }
 
-/// u[k - delay] as `delay` more states before the others' input.
+/// Adds `delay` states for u[k - delay] in front of the plant's input.
 DiscreteLti with_input_delay(const DiscreteLti& plant, Index delay) {
   if (delay == 0) return plant;
   const Index n = plant.A.rows();
@@ -97,15 +97,16 @@ DiscreteLti with_input_delay(const DiscreteLti& plant, Index delay) {
   return delayed;
 }
 
-/// Zeros of [A - λI, b; c, d]. While d is 0, the direction that c sees must vanish, so its row of
-/// the dynamics is the output next derived: one state less, the same zeros (Emami-Naeini, Van
-/// Dooren 1982, for one channel). At last they are the eigenvalues of A - b c/d.
+/// Zeros of [A - λI, b; c, d]. As long as d is 0, the state must not have a component along c, so
+/// the row of the dynamics along c is the derivative of the output, which becomes the new output:
+/// one state less, the same zeros (Emami-Naeini, Van Dooren 1982, for one channel). If d is not 0,
+/// the zeros are the eigenvalues of A - b c/d.
 VectorXcd zeros_of(MatrixXd A, VectorXd b, VectorXd c, double d) {
   const VectorXd scale = internal::balance(A);
   A = (scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal()).eval();
   b = b.cwiseQuotient(scale);
   c = c.cwiseProduct(scale);
-  // The zeros do not mind the units of input and output: all entries are given the size of A.
+  // The zeros do not depend on the units of input and output: scale all entries to the size of A.
   const double size = A.norm() > 0 ? A.norm() : 1;
   const double in = std::max(b.norm(), std::abs(d) / std::max(c.norm(), 1e-300) * size);
   const double out = std::max(c.norm(), std::abs(d) / in * size);
@@ -178,10 +179,9 @@ std::complex<double> DiscreteTransferFunction::operator()(std::complex<double> z
 void validate(const ContinuousTransferFunction& plant, const std::string& where) {
   require_fraction(plant.num, plant.den, where);
   if (!(plant.delay >= 0) || !std::isfinite(plant.delay))
-    throw InvalidInput(where,
-                       fmt::format("delay is {} s, expected a finite number >= 0 because the "
-                                   "future is not known",
-                                   plant.delay));
+    throw InvalidInput(where, fmt::format("delay is {} s, expected a finite number >= 0 because a "
+                                          "negative delay is not causal",
+                                          plant.delay));
 }
 
 void validate(const DiscreteTransferFunction& plant, const std::string& where) {
@@ -190,8 +190,8 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where) {
     throw InvalidInput(where, fmt::format("dt is {} s, expected a positive number", plant.dt));
   if (plant.delay < 0)
     throw InvalidInput(where,
-                       fmt::format("delay is {} samples, expected >= 0 because the future is "
-                                   "not known",
+                       fmt::format("delay is {} samples, expected >= 0 because a negative delay "
+                                   "is not causal",
                                    plant.delay));
 }
 
@@ -200,9 +200,9 @@ VectorXcd polynomial_roots(const VectorXd& coefficients) {
   const VectorXd c = without_leading_zeros(coefficients);
   if (c.size() == 0 || c[0] == 0)
     throw InvalidInput("polynomial_roots",
-                       "all coefficients are 0, expected one that is not "
-                       "because every number is a root");
-  // Roots at 0 are exact; the solver wants a last coefficient that is not 0.
+                       "all coefficients are 0, expected a nonzero one "
+                       "because otherwise every number is a root");
+  // Roots at 0 are removed exactly; the solver requires a nonzero last coefficient.
   Index at_zero = 0;
   while (c[c.size() - 1 - at_zero] == 0) ++at_zero;
   const Index rest = c.size() - 1 - at_zero;

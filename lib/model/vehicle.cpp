@@ -11,7 +11,7 @@
 namespace quadtune {
 namespace {
 
-// Collects the checks of one vehicle under one place.
+// Checks of one vehicle, whose messages have the same place.
 class Checker {
  public:
   explicit Checker(std::string where) : where_(std::move(where)) {}
@@ -30,9 +30,9 @@ class Checker {
       refuse(fmt::format("{} is {} {}, expected 0 or more", what, value, unit));
   }
 
-  void within(double value, double most, const std::string& what, const std::string& unit) const {
-    if (!(value >= 0 && value <= most))
-      refuse(fmt::format("{} is {} {}, expected 0 to {}", what, value, unit, most));
+  void within(double value, double max, const std::string& what, const std::string& unit) const {
+    if (!(value >= 0 && value <= max))
+      refuse(fmt::format("{} is {} {}, expected 0 to {}", what, value, unit, max));
   }
 
   void finite(double value, const std::string& what, const std::string& unit) const {
@@ -46,15 +46,15 @@ class Checker {
 
 void check_motor(const MotorCommand& motor, std::size_t rotors, const Checker& check) {
   check.positive(motor.gain, "motor gain", "rad/s or rad2/s2 per " + motor.unit);
-  check.not_negative(motor.min, "lowest motor command", motor.unit);
-  check.positive(motor.max, "greatest motor command", motor.unit);
+  check.not_negative(motor.min, "minimum motor command", motor.unit);
+  check.positive(motor.max, "maximum motor command", motor.unit);
   if (motor.min >= motor.max)
     check.refuse(
-        fmt::format("lowest motor command {} is not below the greatest {} {}, expected "
-                    "lowest < greatest",
+        fmt::format("minimum motor command {} is not less than the maximum {} {}, expected "
+                    "minimum < maximum",
                     motor.min, motor.max, motor.unit));
-  check.within(motor.delay, kLongestCommandDelay, "command delay", "s");
-  check.within(motor.delay_jitter, kLongestCommandDelay, "command jitter", "s");
+  check.within(motor.delay, kMaxCommandDelay, "command delay", "s");
+  check.within(motor.delay_jitter, kMaxCommandDelay, "command jitter", "s");
   if (!motor.direction.empty() && motor.direction.size() != rotors)
     check.refuse(fmt::format("motor direction has {} entries, expected {}, one per rotor",
                              motor.direction.size(), rotors));
@@ -63,8 +63,7 @@ void check_motor(const MotorCommand& motor, std::size_t rotors, const Checker& c
       check.refuse(fmt::format("motor direction has {}, expected 1 or -1", sign));
 }
 
-void check_rotor(const Rotor& rotor, std::size_t number, double greatest_speed,
-                 const Checker& check) {
+void check_rotor(const Rotor& rotor, std::size_t number, double max_speed, const Checker& check) {
   const std::string name = fmt::format("rotor {}", number);
   if (!rotor.position.allFinite())
     check.refuse(name + " position is not finite, expected finite numbers");
@@ -73,29 +72,30 @@ void check_rotor(const Rotor& rotor, std::size_t number, double greatest_speed,
   check.not_negative(rotor.torque_d2, name + " torque d2", "N m s2/rad2");
   check.finite(rotor.torque_d1, name + " torque d1", "N m s/rad");
   check.not_negative(rotor.inertia, name + " inertia", "kg m2");
-  check.within(rotor.lag, kLongestLag, name + " lag", "s");
-  check.within(lag_down(rotor), kLongestLag, name + " lag down", "s");
+  check.within(rotor.lag, kMaxLag, name + " lag", "s");
+  check.within(lag_down(rotor), kMaxLag, name + " lag down", "s");
   check.not_negative(rotor.drag, name + " drag", "N s2/(rad m)");
   check.not_negative(rotor.inflow, name + " inflow", "N s2/(rad m)");
   check.not_negative(rotor.flapping, name + " flapping", "N s2/rad");
   if (rotor.ground_effect && std::isnan(rotor.radius))
-    check.refuse(name + " has ground effect but no radius, expected the radius by which it scales");
+    check.refuse(name +
+                 " has ground effect but no radius, expected the radius, with which it scales");
   if (!std::isnan(rotor.radius)) check.positive(rotor.radius, name + " radius", "m");
-  const double thrust = rotor_thrust(rotor, greatest_speed);
+  const double thrust = rotor_thrust(rotor, max_speed);
   if (!(thrust > 0) || !std::isfinite(thrust))
     check.refuse(
-        fmt::format("{} gives {:.6g} N at its greatest speed of {:.6g} rad/s, expected "
-                    "more than 0, as thrust must lift",
-                    name, thrust, greatest_speed));
-  const double torque = rotor_torque(rotor, greatest_speed);
+        fmt::format("{} gives {:.6g} N at its maximum speed of {:.6g} rad/s, expected "
+                    "more than 0 because thrust must lift",
+                    name, thrust, max_speed));
+  const double torque = rotor_torque(rotor, max_speed);
   if (!(torque >= 0) || !std::isfinite(torque))
     check.refuse(
-        fmt::format("{} drags with {:.6g} N m at its greatest speed of {:.6g} rad/s, "
-                    "expected 0 or more, as drag opposes the spin",
-                    name, torque, greatest_speed));
+        fmt::format("{} has a drag torque of {:.6g} N m at its maximum speed of {:.6g} rad/s, "
+                    "expected 0 or more because drag opposes the spin",
+                    name, torque, max_speed));
 }
 
-// Rotors that all turn one way drag the body round the other way at whatever speeds lift it.
+// If all rotors turn the same way, their drag torques add up at any speeds that lift the vehicle.
 void check_yaw_balance(const Vehicle& vehicle, const Checker& check) {
   double torque = 0;
   for (const Rotor& rotor : vehicle.rotors) {
@@ -108,7 +108,7 @@ void check_yaw_balance(const Vehicle& vehicle, const Checker& check) {
   const bool clockwise = vehicle.rotors.front().spin == Spin::clockwise;
   check.refuse(fmt::format(
       "rotors cannot balance yaw: all {} turn {}, which leaves {:.3g} N m of drag torque in hover, "
-      "expected both senses of spin",
+      "expected both spin directions",
       vehicle.rotors.size(), clockwise ? "clockwise" : "counter-clockwise", torque));
 }
 
@@ -126,7 +126,7 @@ double rotor_speed_for_thrust(const Rotor& rotor, double thrust) {
                        fmt::format("thrust is {} N, expected 0 or more", thrust));
   const double a2 = rotor.thrust_a2;
   const double a1 = rotor.thrust_a1;
-  // a2 w² + a1 w - T = 0, each form where it does not subtract near-equal numbers.
+  // a2 w² + a1 w - T = 0, in the form that avoids cancellation.
   const double root = std::sqrt(a1 * a1 + 4 * a2 * thrust);
   if (a1 > 0) return 2 * thrust / (a1 + root);
   return (root - a1) / (2 * a2);
@@ -161,11 +161,11 @@ void validate(const Vehicle& vehicle, const std::string& where) {
     check.not_negative(vehicle.drag.cda(axis), "drag area", "m2");
     check.not_negative(vehicle.drag.linear(axis), "linear drag", "N s/m");
   }
-  if (vehicle.rotors.empty()) check.refuse("has no rotors, expected at least one to hold it up");
+  if (vehicle.rotors.empty()) check.refuse("has no rotors, expected at least one");
   check_motor(vehicle.motor, vehicle.rotors.size(), check);
-  const double greatest_speed = speed_of_command(vehicle.motor, vehicle.motor.max);
+  const double max_speed = speed_of_command(vehicle.motor, vehicle.motor.max);
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
-    check_rotor(vehicle.rotors[i], i + 1, greatest_speed, check);
+    check_rotor(vehicle.rotors[i], i + 1, max_speed, check);
   check_yaw_balance(vehicle, check);
 }
 

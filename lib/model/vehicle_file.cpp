@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vehicle files: docs/formats.md says what they hold.
+// Reads vehicle files, whose format is documented in docs/formats.md.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr char kThrustA1[] = "thrust_a1_N_s_per_rad";
 constexpr char kTorqueD2[] = "torque_d2_N_m_s2_per_rad2";
 constexpr char kTorqueD1[] = "torque_d1_N_m_s_per_rad";
 
-// Keys of [rotor], which each of [[rotors]] may have too.
+// The keys of [rotor], which each table of [[rotors]] may override.
 std::vector<TomlKey> rotor_keys() {
   return {{"thrust_a2", "N_s2_per_rad2"},
           {"thrust_a1", "N_s_per_rad"},
@@ -51,17 +51,17 @@ std::vector<TomlKey> rotor_keys() {
           {"ground_effect"}};
 }
 
-// Two ways to say one thing must not meet in one table.
+// Rejects tables that contain both of two alternative keys.
 void require_one_of(const TomlTable& table, const std::string& a, const std::string& b) {
   if (table.has(a) && table.has(b))
     throw InvalidInput(table.where(b), fmt::format("{} has both '{}' and '{}', expected one of "
-                                                   "them, as each gives the whole curve",
+                                                   "them because each defines the whole curve",
                                                    table.title(), a, b));
 }
 
-constexpr Range kLag = {0, Range::Bound::closed, kLongestLag, Range::Bound::closed};
+constexpr Range kLag = {0, Range::Bound::closed, kMaxLag, Range::Bound::closed};
 
-// lag_s is both lag_up_s and lag_down_s.
+// lag_s sets both lag_up_s and lag_down_s.
 void read_lag(const TomlTable& table, Rotor& rotor) {
   for (const char* one : {"lag_up_s", "lag_down_s"})
     if (table.has("lag_s") && table.has(one))
@@ -79,7 +79,7 @@ void read_lag(const TomlTable& table, Rotor& rotor) {
   rotor.lag_down = table.number_or("lag_down_s", down, kLag);
 }
 
-// What the air does to a rotor that moves through it.
+// Aerodynamic coefficients of a moving rotor.
 void read_airflow(const TomlTable& table, Rotor& rotor) {
   rotor.drag = table.number_or("drag_N_s2_per_rad_m", rotor.drag, Range::not_negative());
   rotor.inflow = table.number_or("inflow_N_s2_per_rad_m", rotor.inflow, Range::not_negative());
@@ -87,7 +87,7 @@ void read_airflow(const TomlTable& table, Rotor& rotor) {
   if (table.has("ground_effect")) rotor.ground_effect = table.truth("ground_effect");
 }
 
-// Lays what `table` says of a rotor over what is already known of it.
+// Overrides the values of a rotor with those in `table`.
 void read_rotor(const TomlTable& table, Rotor& rotor) {
   for (const char* curve : {kThrustA2, kThrustA1}) require_one_of(table, "Ct", curve);
   for (const char* curve : {kTorqueD2, kTorqueD1}) require_one_of(table, "Cq", curve);
@@ -111,13 +111,13 @@ void read_rotor(const TomlTable& table, Rotor& rotor) {
   read_airflow(table, rotor);
 }
 
-// T = Ct ρ π r⁴ w² and Q = Cq ρ π r⁵ w² where coefficients are given.
+// T = Ct ρ π r⁴ w² and Q = Cq ρ π r⁵ w² if coefficients are given.
 void complete_curves(Rotor& rotor, double air_density, const TomlTable& table) {
   const bool coefficients = !std::isnan(rotor.Ct) || !std::isnan(rotor.Cq);
   if (coefficients && std::isnan(rotor.radius))
     throw InvalidInput(table.where(), table.title() +
                                           " has Ct or Cq but no radius_m, expected "
-                                          "the radius that makes a curve of them");
+                                          "the radius, which converts them to a curve");
   const double disc = air_density * std::numbers::pi * rotor.radius * rotor.radius;  // ρ π r²
   if (!std::isnan(rotor.Ct)) {
     rotor.thrust_a2 = rotor.Ct * disc * rotor.radius * rotor.radius;
@@ -170,7 +170,7 @@ std::vector<Rotor> read_rotors(const TomlTable& file, double air_density) {
     if (rotor.ground_effect && std::isnan(rotor.radius))
       throw InvalidInput(table.where(), table.title() +
                                             " has ground_effect but no radius_m, expected the "
-                                            "radius by which the effect scales");
+                                            "radius, with which the effect scales");
     rotors.push_back(rotor);
   }
   if (rotors.empty())
@@ -196,8 +196,8 @@ std::vector<Sphere> read_parts(const TomlTable& geometry) {
   }
   if (parts.empty())
     throw InvalidInput(geometry.where(), geometry.title() +
-                                             " has no parts, expected spheres or points that make "
-                                             "up the body");
+                                             " has no parts, expected spheres or points that form "
+                                             "the body");
   return parts;
 }
 
@@ -210,16 +210,17 @@ void read_geometry(const TomlTable& geometry, const TomlTable& body, Vehicle& ve
   const MassProperties whole = mass_properties(read_parts(geometry));
   vehicle.mass = body.number_or("mass_kg", whole.mass, Range::positive());
   if (std::abs(vehicle.mass - whole.mass) > 1e-6 * whole.mass)
-    throw InvalidInput(body.where("mass_kg"),
-                       fmt::format("mass_kg in [body] is {} but the parts of {} weigh {} kg "
-                                   "together, expected the same, or no mass_kg",
-                                   vehicle.mass, geometry.title(), whole.mass));
+    throw InvalidInput(
+        body.where("mass_kg"),
+        fmt::format("mass_kg in [body] is {} but the total mass of the parts of {} is {} kg, "
+                    "expected the same or no mass_kg",
+                    vehicle.mass, geometry.title(), whole.mass));
   const Eigen::Vector3d& centre = whole.centre_of_mass;
   if (centre.norm() > 1e-6)
     throw InvalidInput(geometry.where(),
                        fmt::format("the parts of {} have their centre of mass at [{:.6g}, {:.6g}, "
-                                   "{:.6g}] m, expected [0, 0, 0], where body axes have their "
-                                   "origin",
+                                   "{:.6g}] m, expected [0, 0, 0], the origin of the body "
+                                   "axes",
                                    geometry.title(), centre.x(), centre.y(), centre.z()));
   vehicle.inertia = whole.inertia;
 }
@@ -305,7 +306,7 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
                        fmt::format("max_{0} in [motor] is {1}, expected more than min_{0}, {2}",
                                    unit, motor.max, motor.min));
   motor.quantum = table.number_or("quantum_" + unit, 0, Range::not_negative());
-  constexpr Range kDelay = {0, Range::Bound::closed, kLongestCommandDelay, Range::Bound::closed};
+  constexpr Range kDelay = {0, Range::Bound::closed, kMaxCommandDelay, Range::Bound::closed};
   motor.delay = table.number_or("command_delay_s", 0, kDelay);
   motor.delay_jitter = table.number_or("command_jitter_s", 0, kDelay);
   motor.direction =
@@ -363,7 +364,7 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
     table->allow(keys);
     vehicle.published_cascade = {table->text("source"), internal::read_cascade_gains(*table)};
   }
-  validate(vehicle, file.where("rotors"));  // what is left concerns the rotors
+  validate(vehicle, file.where("rotors"));  // the remaining checks concern the rotors
   return vehicle;
 }
 

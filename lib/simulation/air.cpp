@@ -12,18 +12,19 @@ namespace quadtune {
 DrydenNumbers dryden_numbers(const Wind& wind) {
   constexpr double kFoot = 0.3048;
   if (!wind.mean.allFinite() || !wind.gust.velocity.allFinite())
-    throw InvalidInput("wind", "a velocity is not finite, expected numbers of m/s");
+    throw InvalidInput("wind", "a velocity is not finite, expected finite numbers [m/s]");
   if (!std::isfinite(wind.gust.start) || !(wind.gust.length > 0) ||
       !std::isfinite(wind.gust.length))
-    throw InvalidInput("wind", fmt::format("the gust begins at {} s and lasts {} s, expected a "
-                                           "time and a length of more than 0",
-                                           wind.gust.start, wind.gust.length));
+    throw InvalidInput("wind",
+                       fmt::format("the gust begins at {} s and lasts {} s, expected a finite "
+                                   "time and a positive duration",
+                                   wind.gust.start, wind.gust.length));
   if (!(wind.turbulence >= 0) || !std::isfinite(wind.turbulence))
     throw InvalidInput("wind",
                        fmt::format("turbulence is {} m/s, expected 0 or more", wind.turbulence));
   if (!(wind.turbulence_height >= 3 && wind.turbulence_height <= 300))
     throw InvalidInput(
-        "wind", fmt::format("the turbulence's height is {} m, expected 3 to 300 m, where its "
+        "wind", fmt::format("the height of the turbulence is {} m, expected 3 to 300 m, where its "
                             "scales are known",
                             wind.turbulence_height));
   const double h = wind.turbulence_height / kFoot;

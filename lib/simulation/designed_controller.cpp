@@ -19,8 +19,9 @@ CascadeController cascade_controller(const CascadeDesign& design, const CascadeG
 StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
   if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
-  // Far from the set point the proportional part does the work, and the integral grows as if near.
-  // It does not stand: a vehicle that is heavier than believed may hang that far below.
+  // Far from the set point, where the proportional part dominates, the integral grows only as fast
+  // as near it. It does not stop, since a vehicle that is heavier than assumed may settle that far
+  // below.
   constexpr double kNear = 0.3, kInfinity = std::numeric_limits<double>::infinity();  // [m, rad]
   if (gains.convention == "ned")
     for (const Signal& integral : gains.integrals)

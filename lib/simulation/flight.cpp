@@ -26,8 +26,8 @@
 namespace quadtune {
 namespace {
 
-// How many flights are simulated at once. Where the build makes variants of this library for AVX2
-// and AVX-512 (cmake/Variants.cmake), only the variants contain the code for packs of flights.
+// Number of flights that are simulated at once. If the build has variants of this library for AVX2
+// and AVX-512 (cmake/Variants.cmake), only these variants contain the code for packs of flights.
 #if defined(QUADTUNE_ONE_AT_A_TIME)
 constexpr int kLanes = 1;
 #else
@@ -52,9 +52,9 @@ std::array<FlightResult, N> fly_lanes(const std::array<const FlightSetup*, N>& s
     default:
       break;
   }
-  // Packs are made for what is common: no lag, or four rotors with it.
+  // Packs exist for the common cases only: no motor lag, or four rotors with lag.
   if constexpr (N == 1) return internal::fly_together<1, Eigen::Dynamic>(setups, interrupted);
-  throw InvalidInput("flight", "no pack for this number of rotors");
+  throw InvalidInput("flight", "there is no pack for this number of rotors");
 }
 
 bool has_pack(const FlightSetup& setup) {
@@ -62,7 +62,7 @@ bool has_pack(const FlightSetup& setup) {
   return rotors == 0 || rotors == 4;
 }
 
-/// A law or an estimator of the user's own cannot be compared with another: it flies alone.
+/// User-defined laws and estimators cannot be compared, so such flights are simulated one by one.
 bool has_own_part(const FlightSetup& setup) {
   return setup.estimator == EstimatorKind::own ||
          std::holds_alternative<OwnController>(setup.controller);
@@ -141,7 +141,7 @@ GeneralFilterSettings general_filter_settings(const FlightSetup& setup) {
                                     setup.environment.magnetic_field, setup.general_noise);
   settings.dt = control_period(setup);
   if (setup.mission.start.in_air || std::holds_alternative<Carried>(setup.mission.kind)) {
-    // The offsets were found before.
+    // The biases were estimated before the flight.
     settings.start.gyro_bias = 5e-4;
     settings.start.force_bias = 0.02;
     settings.start.pressure_height = 0.05;
@@ -195,7 +195,7 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     const auto* feedback = std::get_if<StateFeedbackController>(&s.controller);
     return feedback ? feedback->schedule.get() : nullptr;
   };
-  // What a pack takes from the first flight must be the same in all.
+  // The properties that a pack takes from its first flight must be equal in all flights.
   const auto believed = [](const Vehicle& v) {
     return std::tie(v.mass, v.inertia, v.gravity, v.air_density, v.drag.cda, v.drag.linear);
   };
@@ -203,16 +203,16 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     return std::tie(r.position, r.spin, r.thrust_a2, r.thrust_a1, r.torque_d2, r.torque_d1,
                     r.inertia);
   };
-  // The range of the motors as the law believes it to be.
+  // Motor range that the law assumes.
   const auto same_motors = [](const Vehicle& v, const Vehicle& w) {
-    return least_speed(v) == least_speed(w) && greatest_speed(v) == greatest_speed(w);
+    return min_speed(v) == min_speed(w) && max_speed(v) == max_speed(w);
   };
   const bool same_rotors =
       std::equal(a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
                  b.vehicle.rotors.end(), [&](const Rotor& r, const Rotor& s) {
                    return rotor(r) == rotor(s) && r.lag == s.lag && lag_down(r) == lag_down(s);
                  });
-  // Jitter differs from lane to lane, so that flights with it fly alone.
+  // Jitter differs from lane to lane, so flights with jitter are simulated one by one.
   const auto late = [](const FlightSetup& s) { return flown_vehicle(s).motor.delay; };
   const auto jitters = [](const FlightSetup& s) { return flown_vehicle(s).motor.delay_jitter > 0; };
   const auto air = [](const FlightSetup& s) {
@@ -256,11 +256,12 @@ void calibrate_flow(FlightSetup& setup) {
   if (!setup.real_sensors || !sensors.gyroscope) return;
   const SensorFaults& gyro = *sensors.gyroscope;
   const double dt = control_period(setup), flow_delay = sensors.flow->faults.delay;
-  // A second-order response is late by 2 ζ/ω for all that is slower than it.
+  // A second-order response delays signals that are slower than it by 2 ζ/ω.
   const double response =
       gyro.natural_frequency > 0 ? 2 * gyro.damping / gyro.natural_frequency : 0;
-  // An image that would have to wait longer than flows are kept is used when it leaves.
-  estimator.gyro_lag = std::min(gyro.delay + response, flow_delay + (kMostAlignedPeriods - 2) * dt);
+  // An image that would have to wait longer than flows are stored is used when it leaves the
+  // buffer.
+  estimator.gyro_lag = std::min(gyro.delay + response, flow_delay + (kMaxAlignedPeriods - 2) * dt);
   estimator.aligned_periods = flow_alignment_periods(estimator.gyro_lag, flow_delay, dt);
 }
 
@@ -283,21 +284,21 @@ void validate(const FlightSetup& setup) {
         "flight", fmt::format("the flow rate is {} Hz, expected 0 to 10000 Hz", setup.flow_rate));
   require_motors(setup.mission, static_cast<int>(setup.vehicle.rotors.size()), "flight");
   if (setup.flown && setup.flown->rotors.size() != setup.vehicle.rotors.size())
-    throw InvalidInput("flight",
-                       fmt::format("the vehicle flown has {} rotors, the one believed {}, expected "
-                                   "as many",
-                                   setup.flown->rotors.size(), setup.vehicle.rotors.size()));
+    throw InvalidInput(
+        "flight", fmt::format("the true vehicle has {} rotors and the vehicle model {}, expected "
+                              "equal numbers",
+                              setup.flown->rotors.size(), setup.vehicle.rotors.size()));
   require_possible(setup.mission.events, flown_vehicle(setup),
                    "mission '" + setup.mission.name + "'");
   const MotorCommand& motor = flown_vehicle(setup).motor;
   if (!(motor.delay >= 0) || !(motor.delay_jitter >= 0) ||
-      !(motor.delay + motor.delay_jitter <= kMostDelayPeriods * dt * (1 + 1e-9)))
+      !(motor.delay + motor.delay_jitter <= kMaxDelayPeriods * dt * (1 + 1e-9)))
     throw InvalidInput("flight",
-                       fmt::format("the commands are late by {} s and jitter by {} s, "
-                                   "expected 0 to {} control periods of {} s together",
-                                   motor.delay, motor.delay_jitter, kMostDelayPeriods, dt));
+                       fmt::format("the command delay is {} s and its jitter {} s, "
+                                   "expected a sum of 0 to {} control periods of {} s",
+                                   motor.delay, motor.delay_jitter, kMaxDelayPeriods, dt));
   (void)dryden_numbers(setup.environment.wind);
-  // What the flight makes of these it makes in a thread of its own: better said before.
+  // These settings are computed again in the thread of the flight; report mistakes before that.
   validate(setup.mission, "mission '" + setup.mission.name + "'");
   (void)RigidBody(setup.vehicle);
   (void)RigidBody(flown_vehicle(setup));
@@ -306,12 +307,12 @@ void validate(const FlightSetup& setup) {
     validate(general_filter_settings(setup), "estimator general");
   if (setup.estimator == EstimatorKind::own && !setup.own_estimator.make)
     throw InvalidInput("flight",
-                       "own_estimator.make is empty, expected a function that makes the "
+                       "own_estimator.make is empty, expected a function that creates the "
                        "estimator");
   if (const auto* own = std::get_if<OwnController>(&setup.controller)) {
     if (!own->make)
       throw InvalidInput("flight", fmt::format("make of the law '{}' is empty, expected a function "
-                                               "that makes the law",
+                                               "that creates the law",
                                                own->name));
   } else if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     (void)cascaded_pid_settings(setup.vehicle, cascade->gains, cascade->method,
@@ -330,7 +331,7 @@ void validate(const FlightSetup& setup) {
       if (kind(hover) != kind(feedback.gains))
         throw InvalidInput("flight",
                            "the gains and their schedule have different states, inputs, integrals "
-                           "or conventions, expected the same, as hover_gains() gives them");
+                           "or conventions, expected equal ones, as returned by hover_gains()");
     }
   }
 }
@@ -349,7 +350,7 @@ std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size
       throw InvalidInput(fmt::format("flight {}", i), error.what());
     }
   }
-  // Runs of flights that share a pack; where they begin does not depend on the threads.
+  // Divide the flights into packs. The division does not depend on the number of threads.
   std::vector<std::size_t> begins;
   for (std::size_t begin = 0; begin < setups.size();) {
     begins.push_back(begin);
@@ -367,7 +368,7 @@ std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size
       results[begin] = std::move(fly_lanes<1>({&setups[begin]}, interrupted)[0]);
       return;
     }
-    // Lanes that are left over fly the first flight again.
+    // Unused lanes repeat the first flight.
     std::array<const FlightSetup*, kLanes> lanes;
     lanes.fill(&setups[begin]);
     for (std::size_t i = begin; i < end; ++i) lanes[i - begin] = &setups[i];

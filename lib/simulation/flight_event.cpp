@@ -16,7 +16,7 @@ namespace {
 
 }  // namespace
 
-std::string in_words(const FlightEvent& event) {
+std::string describe(const FlightEvent& event) {
   if (const auto* fault = std::get_if<MotorFault>(&event.what)) {
     if (fault->thrust_share == 0) return fmt::format("motor {} stops", fault->motor);
     return fmt::format("motor {} keeps {} of its thrust", fault->motor, fault->thrust_share);
@@ -36,8 +36,8 @@ void validate(const std::vector<FlightEvent>& events, double duration, const std
                          duration));
     if (event.time < before)
       refuse(where, i,
-             fmt::format("its time is {} s, expected no less than that of the event "
-                         "before, {} s, as events are in order",
+             fmt::format("its time is {} s, expected at least that of the event "
+                         "before, {} s, because events must be in order",
                          event.time, before));
     before = event.time;
     if (const auto* fault = std::get_if<MotorFault>(&event.what)) {
@@ -51,8 +51,8 @@ void validate(const std::vector<FlightEvent>& events, double duration, const std
       const double mass = std::get<LoadChange>(event.what).mass;
       if (mass == 0 || !std::isfinite(mass))
         refuse(where, i,
-               fmt::format("its load is {} kg, expected a number that is not 0: more than 0 for a "
-                           "load that is picked up, less for one that is dropped",
+               fmt::format("its load is {} kg, expected a nonzero number: positive for a "
+                           "load that is picked up, negative for one that is dropped",
                            mass));
     }
   }
@@ -65,7 +65,7 @@ void require_possible(const std::vector<FlightEvent>& events, const Vehicle& veh
     if (const auto* fault = std::get_if<MotorFault>(&events[i].what)) {
       if (fault->motor > static_cast<int>(vehicle.rotors.size()))
         refuse(where, i,
-               fmt::format("its motor is {}, expected 1 to {}, as '{}' has no more", fault->motor,
+               fmt::format("its motor is {}, expected 1 to {}, the motors of '{}'", fault->motor,
                            vehicle.rotors.size(), vehicle.name));
       continue;
     }

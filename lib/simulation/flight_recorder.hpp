@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes one flight of a pack down, a row each control period.
+/// Records one flight of a pack, one row per control period.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ namespace quadtune::internal {
 
 class FlightRecorder {
  public:
-  /// @param rows  about how many there will be
+  /// @param rows  estimated number of rows
   FlightRecorder(const FlightSetup& setup, const Sensors& sensors, int rotors, std::size_t rows);
 
-  /// One row, of lane `l` of each argument; columns are filled in the order in which they were
-  /// made.
+  /// Adds a row from lane `l` of each argument; the columns are filled in the order of their
+  /// creation.
   template <class P, class State>
   void add(double t, int l, const State& x, const RotorSpeeds<P>& turning,
            const SensorFrame<P>& frame, const Estimate<P>& estimate,
@@ -58,7 +58,7 @@ class FlightRecorder {
       for (int i = 0; i < 3; ++i) put(lane(wind(i), l));
   }
 
-  /// What was recorded, with the events of the flight.
+  /// The recorded table, with the events of the flight.
   [[nodiscard]] LogTable table(const std::vector<LogEvent>& events);
 
  private:
@@ -70,7 +70,7 @@ class FlightRecorder {
   void columns(const std::string& group, const std::vector<std::pair<std::string, std::string>>&);
   void put(double value) { table_.columns[next_++].values.push_back(value); }
 
-  // A row without a new sample has no value.
+  // A row without a new sample contains NaN.
   template <class Value, class P>
   void put_vector(bool present, const Sample<Value, P>& sample, int l) {
     if (!present) return;

@@ -21,7 +21,7 @@
 namespace quadtune::report {
 namespace {
 
-/// Whether a figure is among those that a reader looks for first; others are in the database.
+/// Whether a metric is among those that readers need first; the others are in the database.
 bool is_shown(Metric metric) {
   static constexpr Metric kShown[] = {
       Metric::settling_time, Metric::overshoot,    Metric::tracking_rms,   Metric::tracking_max,
@@ -33,11 +33,11 @@ bool is_shown(Metric metric) {
 /// The mission's limit on a metric; NaN without one.
 double limit_of(const Mission& mission, Metric metric) {
   for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return limit.most;
+    if (limit.metric == metric) return limit.max;
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Whether an interval does not hold 0.
+/// Whether an interval does not contain 0.
 bool surely_not_zero(const Estimated& e) { return e.low > 0 || e.high < 0; }
 
 /// The command that flies one flight again.
@@ -48,7 +48,7 @@ std::string replay_command(const std::string& folder, std::uint64_t number) {
 
 using internal::Json;
 
-/// A number that is not reached says so: JSON has no infinity.
+/// A number that is not reached becomes a word, since JSON has no infinity.
 Json reached_or_word(double x) {
   if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
   return x;
@@ -66,8 +66,8 @@ Json spread_json(const MetricSpread& m) {
           {"flights", m.flights},
           {"mean", reached_or_word(m.mean)},
           {"deviation", reached_or_word(m.deviation)},
-          {"least", reached_or_word(m.least)},
-          {"greatest", reached_or_word(m.greatest)},
+          {"least", reached_or_word(m.min)},
+          {"greatest", reached_or_word(m.max)},
           {"p05", estimated_json(m.percentile_5)},
           {"median", estimated_json(m.median)},
           {"p95", estimated_json(m.percentile_95)},
@@ -88,12 +88,12 @@ std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
   return aligned(cells, "<>>>>><") + "\n";
 }
 
-/// The strongest trends that are surely there.
+/// The strongest significant trends.
 std::string sensitivities_text(const CaseStatistics& of) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMax = 8;
   Cells cells = {{"  depends on", "figure", "rank correlation"}};
   for (const Sensitivity& s : of.sensitivities) {
-    if (cells.size() > kMost) break;
+    if (cells.size() > kMax) break;
     if (surely_not_zero(s.correlation))
       cells.push_back({"  " + s.quantity, s.figure,
                        fmt::format("{:+.2f}  ({:+.2f} to {:+.2f})", s.correlation.value,
@@ -121,7 +121,7 @@ std::string case_text(const CampaignPlan& plan, std::size_t index, const CaseSta
 
 std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
   std::string text =
-      fmt::format("{} less {} in {}, on the same draws\n", c.second, c.first, c.mission);
+      fmt::format("{} minus {} in {}, on the same draws\n", c.second, c.first, c.mission);
   text += fmt::format("  {} flights pass with {} only, {} with {} only\n", c.only_second_passed,
                       c.second, c.only_first_passed, c.first);
   for (const CaseComparison::Difference& d : c.metrics) {
@@ -129,8 +129,8 @@ std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
     const std::string unit = unit_text(unit_of(d.metric));
     text += fmt::format("  {:<36} {:+.3g}{}{} ({:+.3g} to {:+.3g})", label_of(d.metric),
                         d.mean.value, unit.empty() ? "" : " ", unit, d.mean.low, d.mean.high);
-    // Where one of both has no figure the draw is left out, which may favour a design.
-    if (d.flights < flights) text += fmt::format(", of {} draws", d.flights);
+    // A draw in which one of both has no value is omitted, which may favour one design.
+    if (d.flights < flights) text += fmt::format(", in {} draws", d.flights);
     text += "\n";
   }
   return text;
@@ -200,7 +200,7 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
 
 namespace {
 
-/// "normal, mean 1, deviation 0.05, least 0.9"
+/// "normal, mean 1, deviation 0.05, minimum 0.9"
 std::string words_of(const UncertainNumber& number) {
   const Distribution& d = number.distribution;
   const std::string& unit = uncertain_quantity(number.quantity, "campaign").unit;
@@ -218,12 +218,12 @@ std::string words_of(const UncertainNumber& number) {
                                  : logarithmic ? "deviation of the logarithm"
                                                : "deviation",
                                  d.second);
-  if (std::isfinite(d.least)) text += fmt::format(", least {:.4g}", d.least);
-  if (std::isfinite(d.most)) text += fmt::format(", most {:.4g}", d.most);
+  if (std::isfinite(d.min)) text += fmt::format(", minimum {:.4g}", d.min);
+  if (std::isfinite(d.max)) text += fmt::format(", maximum {:.4g}", d.max);
   return unit == "1" ? text : fmt::format("{} [{}]", text, unit);
 }
 
-/// Rank correlations that are surely there: quantities down, figures across.
+/// Significant rank correlations: one row for each quantity, one column for each metric.
 PageTrends trends_of(const CampaignPlan& plan, const CaseStatistics& of) {
   PageTrends trends;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -279,7 +279,7 @@ PageCase page_case(const CampaignPlan& plan, std::size_t index, const CaseStatis
   return page;
 }
 
-/// The finite values of a figure at evenly spread shares of the flights that have it.
+/// The finite values of a metric at evenly spaced shares of the flights in which it is defined.
 PageDistribution::Curve curve_of(std::span<const CampaignRecord> records, std::size_t cases,
                                  std::size_t of, Metric metric) {
   std::vector<double> values;
@@ -292,17 +292,17 @@ PageDistribution::Curve curve_of(std::span<const CampaignRecord> records, std::s
   std::sort(values.begin(), values.end());
   PageDistribution::Curve curve;
   curve.reached = known > 0 ? static_cast<double>(values.size()) / static_cast<double>(known) : 0;
-  constexpr std::size_t kMost = 200;
-  if (values.size() <= kMost) {
+  constexpr std::size_t kMax = 200;
+  if (values.size() <= kMax) {
     curve.x = std::move(values);
   } else {
-    for (std::size_t i = 0; i <= kMost; ++i)
-      curve.x.push_back(values[i * (values.size() - 1) / kMost]);
+    for (std::size_t i = 0; i <= kMax; ++i)
+      curve.x.push_back(values[i * (values.size() - 1) / kMax]);
   }
   return curve;
 }
 
-/// One chart a figure and mission, with a curve a design.
+/// One chart for each metric and mission, with a curve for each design.
 std::vector<PageDistribution> distributions_of(const CampaignPlan& plan,
                                                std::span<const CampaignRecord> records) {
   std::vector<PageDistribution> all;
@@ -310,7 +310,7 @@ std::vector<PageDistribution> distributions_of(const CampaignPlan& plan,
   for (const Metric metric : {Metric::tracking_rms, Metric::tracking_max, Metric::height_max,
                               Metric::tilt_max, Metric::settling_time, Metric::energy})
     for (std::size_t first = 0; first < cases.size(); ++first) {
-      // The first design of a mission speaks for all.
+      // One chart for each mission, made at its first case.
       const auto same = [&](std::size_t c) { return cases[c].mission == cases[first].mission; };
       bool seen = false;
       for (std::size_t c = 0; c < first; ++c) seen = seen || same(c);
@@ -333,10 +333,10 @@ std::vector<PageDistribution> distributions_of(const CampaignPlan& plan,
 
 PageComparison page_comparison(const CaseComparison& c) {
   PageComparison page;
-  page.title = fmt::format("{} less {} in {}", c.second, c.first, c.mission);
+  page.title = fmt::format("{} minus {} in {}", c.second, c.first, c.mission);
   page.passes = fmt::format(
-      "On the same draws; {} flights pass with {} only, {} with {} only. Figures whose mean surely "
-      "differs:",
+      "On the same draws; {} flights pass with {} only, {} with {} only. Metrics whose mean "
+      "differs significantly:",
       c.only_second_passed, c.second, c.only_first_passed, c.first);
   for (const CaseComparison::Difference& d : c.metrics)
     if (is_shown(d.metric) && surely_not_zero(d.mean))

@@ -23,16 +23,16 @@ internal::Json to_json(const CampaignPlan& plan) {
 
 std::string to_text(const CampaignPlan& plan, const std::string& folder, bool was_there) {
   const std::vector<CampaignCase>& cases = plan.campaign.cases;
-  std::string text =
-      fmt::format("{}: {} draws in {} case{}, {} shard{}{}\n", plan.name, plan.campaign.flights,
-                  cases.size(), cases.size() == 1 ? "" : "s", plan.shards,
-                  plan.shards == 1 ? "" : "s", was_there ? "; the plan was there already" : "");
+  std::string text = fmt::format("{}: {} draws in {} case{}, {} shard{}{}\n", plan.name,
+                                 plan.campaign.flights, cases.size(), cases.size() == 1 ? "" : "s",
+                                 plan.shards, plan.shards == 1 ? "" : "s",
+                                 was_there ? "; the folder already contained this plan" : "");
   for (std::size_t i = 0; i < cases.size(); ++i)
     text += fmt::format("  {} in {}: {}; {}\n", cases[i].design, cases[i].mission,
                         plan.words[i].law, surroundings(plan.words[i]));
   return text +
          fmt::format(
-             "fly it: {0}/parallel.sh here or over ssh, sbatch {0}/slurm.sh on a cluster, or\n"
+             "to fly it: {0}/parallel.sh here or over ssh, sbatch {0}/slurm.sh on a cluster, or\n"
              "        quadtune campaign work {0} --shard 0 and so on; then\n"
              "        quadtune campaign merge {0}\n",
              folder);

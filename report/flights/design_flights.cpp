@@ -46,9 +46,9 @@ std::string text_of(const FlownFlight& flight, const std::optional<Diagnosis>& d
   text += "\n  " + circumstances(flight.plan);
   if (flight.loop)
     text += fmt::format("\n  flown loop: largest |z| {:.6f}: {}", std::abs(flight.loop->mode.z),
-                        in_words(*flight.loop));
+                        describe(*flight.loop));
   for (const WidenedLimit& widened : flight.plan.widened)
-    if (flight.variant.empty()) text += fmt::format("\n  {}: {}", widened.label, in_words(widened));
+    if (flight.variant.empty()) text += fmt::format("\n  {}: {}", widened.label, describe(widened));
   for (const std::string& reason : reasons(flight)) text += "\n  " + reason;
   if (diagnosis) text += fmt::format("\n  why: {}\n  next: {}", diagnosis->why, diagnosis->next);
   return text;

@@ -50,7 +50,7 @@ std::string to_text(const ComparedFlights& compared) {
   Cells columns = {{"", "mean squared", "greatest", "at"}};
   const bool carried = std::holds_alternative<Carried>(setup.mission.kind);
   for (const ColumnDifference& column : difference.columns) {
-    // Who is carried does not steer.
+    // A vehicle that is carried has no command.
     if (carried && column.max == 0) continue;
     columns.push_back({"  " + column.name, figure(column.mean_squared, ".3g"),
                        figure(column.max, ".3g"), figure(column.max_at, ".4g") + " s",
@@ -72,8 +72,8 @@ std::string to_text(const ComparedFlights& compared) {
   }
   const EstimateError a = estimate_error(flights[0].result.log);
   const EstimateError b = estimate_error(flights[1].result.log);
-  row("believed wrong across, mean [m]", a.mean_absolute, b.mean_absolute);
-  row("believed wrong across, at the end [m]", a.final, b.final);
+  row("horizontal estimate error, mean [m]", a.mean_absolute, b.mean_absolute);
+  row("horizontal estimate error, at the end [m]", a.final, b.final);
   text += aligned(metrics) + "\n";
   for (std::size_t i = 0; i < 2; ++i) {
     const std::vector<std::string> why = reasons(flights[i]);

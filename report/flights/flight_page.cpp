@@ -14,14 +14,14 @@
 namespace quadtune::report {
 namespace {
 
-/// The k-th of the names of a group.
+/// The names of the position columns of a group.
 std::array<std::string, 3> columns(const std::string& group) {
   return {group + ".px", group + ".py", group + ".pz"};
 }
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-/// What was, what was asked for and what was believed of one state.
+/// The true value, the set point and the estimate of some states.
 ReportPlot state_plot(const std::string& title, const std::string& unit,
                       const std::vector<std::string>& states, bool referred, double factor = 1) {
   ReportPlot plot;
@@ -31,8 +31,8 @@ ReportPlot state_plot(const std::string& title, const std::string& unit,
   for (const std::string& state : states) {
     plot.series.push_back({state, "x." + state, SeriesStyle::value});
     if (referred)
-      plot.series.push_back({state + " asked for", "reference." + state, SeriesStyle::reference});
-    plot.series.push_back({state + " believed", "estimate." + state, SeriesStyle::estimate});
+      plot.series.push_back({state + " set point", "reference." + state, SeriesStyle::reference});
+    plot.series.push_back({state + " estimate", "estimate." + state, SeriesStyle::estimate});
   }
   return plot;
 }
@@ -62,8 +62,8 @@ std::vector<ReportPlot> plots_of(const FlownFlight& flight) {
       state_plot("Yaw", "deg", {"yaw"}, true, kDegrees),
       state_plot("Body velocity", "m/s", {"u", "v", "w"}, false),
       state_plot("Body rates", "deg/s", {"p", "q", "r"}, false, kDegrees),
-      plot_of(log, "Thrust asked for", "N", "command", {"T"}, SeriesStyle::value),
-      plot_of(log, "Torques asked for", "N m", "command", {"tau_x", "tau_y", "tau_z"},
+      plot_of(log, "Commanded thrust", "N", "command", {"T"}, SeriesStyle::value),
+      plot_of(log, "Commanded torques", "N m", "command", {"tau_x", "tau_y", "tau_z"},
               SeriesStyle::value),
       plot_of(log, "Rotor speeds", "rad/s", "x", rotors, SeriesStyle::value),
       plot_of(log, "Accelerometer", "m/s^2", "accelerometer", {"x", "y", "z"},
@@ -95,7 +95,7 @@ std::vector<GainTable> gains_of(const Controller& controller) {
     return tables;
   }
   const auto* cascade = std::get_if<CascadeController>(&controller);
-  if (cascade == nullptr) return {};  // a law of the user's own, whose gains are not known
+  if (cascade == nullptr) return {};  // a law of the user, whose gains are unknown
   const CascadeGains& gains = cascade->gains;
   GainTable table;
   table.title = "PID loops";
@@ -150,7 +150,7 @@ std::vector<ReportMetric> metric_rows(const FlownFlight& flight) {
     for (const LimitCheck& check : flight.verdict.checks)
       if (check.metric == metric) {
         row.limit = check.bound;
-        row.limit_is_least = check.at_least;
+        row.limit_is_minimum = check.at_least;
         row.ok = check.ok;
       }
     if (!std::isnan(row.value) || row.limit) rows.push_back(row);
@@ -179,7 +179,7 @@ FlightReport flight_page(const FlownFlight& flight, const std::string& command,
   about.insert(about.begin() + 2, {"description", setup.mission.description});
   about.push_back({"wind", flight.plan.wind});
   for (const WidenedLimit& widened : flight.plan.widened)
-    about.push_back({widened.label, in_words(widened)});
+    about.push_back({widened.label, describe(widened)});
   report.plots = plots_of(flight);
   report.replay = replay_of(setup.vehicle);
   report.gains = gains_of(setup.controller);

@@ -49,11 +49,11 @@ Json bound_json(const PlannedFlight& plan) {
   return json;
 }
 
-/// What the sensors can know, and the limits that follow from it.
+/// The error bound of the sensors, and the limits that follow from it.
 std::string bound_text(const PlannedFlight& plan) {
   if (!plan.bound) return "";
   const MissionBound& bound = *plan.bound;
-  std::string text = "\nbound of the sensors, rms (best filter, whatever is flown)\n";
+  std::string text = "\nbound of the sensors, rms (best filter for any law)\n";
   text += fmt::format("  position {:.3g} m, height {:.3g} m, yaw {:.3g} rad; ", bound.tracking.rms,
                       bound.height.rms, bound.heading.rms);
   text += fmt::format("at the end {:.3g} m\n", std::hypot(bound.horizontal_end, bound.height_end));
@@ -141,10 +141,10 @@ std::string flight_metrics_text(const FlownFlight& flight) {
     std::string limit;
     if (check != nullptr)
       limit = fmt::format("{} {}{}{}", check->at_least ? "at least" : "at most",
-                          in_words(metric, check->bound),
+                          describe(metric, check->bound),
                           widened_of(flight.plan, metric) != nullptr ? " (widened)" : "",
-                          check->ok ? "" : "  NOT KEPT");
-    cells.push_back({"  " + label_of(metric), in_words(metric, value), limit});
+                          check->ok ? "" : "  VIOLATED");
+    cells.push_back({"  " + label_of(metric), describe(metric, value), limit});
   }
   return cells.empty() ? "" : aligned(cells, "<") + "\n";
 }

@@ -82,16 +82,16 @@ std::string flight_text(const FlightCondition& condition) {
 std::string trim_text(const DesignOutcome& outcome) {
   const Vehicle& vehicle = outcome.design.vehicle;
   const TrimResult& trim = outcome.model.trim;
-  const double least = trim.u.minCoeff();
-  const double most = trim.u.maxCoeff();
+  const double min = trim.u.minCoeff();
+  const double max = trim.u.maxCoeff();
   const std::string speeds =
-      most - least < 1e-9 * most ? number(most) : number(least) + " ... " + number(most);
+      max - min < 1e-9 * max ? number(max) : number(min) + " ... " + number(max);
   return fmt::format(
       "{}: rotors at {} rad/s (limits {} ... {}), command {} {}\nthrust-to-weight {:.3f}, tilt "
       "{:.3g} deg, residual {:.2g}",
-      flight_text(outcome.design.condition), speeds, number(least_speed(vehicle)),
-      number(greatest_speed(vehicle)), number(command_of_speed(vehicle.motor, most)),
-      vehicle.motor.unit, thrust_to_weight(vehicle), degrees(trim.tilt), trim.residual);
+      flight_text(outcome.design.condition), speeds, number(min_speed(vehicle)),
+      number(max_speed(vehicle)), number(command_of_speed(vehicle.motor, max)), vehicle.motor.unit,
+      thrust_to_weight(vehicle), degrees(trim.tilt), trim.residual);
 }
 
 std::string problem_text(const DesignOutcome& outcome) {
@@ -116,9 +116,8 @@ std::string evidence_text(const RiccatiResult& riccati) {
 
 std::string published_text(const PublishedDifference& difference, const PublishedGains& published) {
   std::string text = fmt::format(
-      "{}\nlargest difference {:.2g} of its row's largest entry; of one entry {:.2g}, at {}: "
-      "published "
-      "{:.8g}, here {:.8g}",
+      "{}\nlargest difference {:.2g}, relative to its row's largest entry; {:.2g} relative to the "
+      "entry itself, at {}: published {:.8g}, here {:.8g}",
       published.source, difference.max_relative, difference.max_entry, difference.worst,
       difference.published, difference.converged);
   if (!published.note.empty()) text += "\nwhy: " + published.note;
@@ -130,13 +129,13 @@ std::string filter_text(const DesignedFilter& designed) {
   return fmt::format(
       "{}, {} ms, residual {:.2g}{}; filter gain M\n{}", filter.name, number(filter.model.dt * 1e3),
       designed.evidence.residual,
-      filter.noise_source.empty() ? "" : ", noise of " + internal::printable(filter.noise_source),
+      filter.noise_source.empty() ? "" : ", noise from " + internal::printable(filter.noise_source),
       table(filter.M, names_of(filter.model.states), names_of(filter.model.outputs)));
 }
 
 std::string estimator_text(const EstimatorDesign& estimator) {
   const std::string& verdict = estimator.model.verdict;
-  return fmt::format("uquad, noise of {}{}", internal::printable(estimator.tuned),
+  return fmt::format("uquad, noise from {}{}", internal::printable(estimator.tuned),
                      verdict.empty() ? "" : ", verdict " + internal::printable(verdict));
 }
 
@@ -178,7 +177,7 @@ std::string flown_text(const FlownLaw& law) {
   return text;
 }
 
-/// Whether the design of the gains was on the flown plant and its report has shown this loop.
+/// Whether the gains were designed on the flown plant, whose report has already shown this loop.
 bool told_with_the_gains(const DesignOutcome& outcome, const FlownLaw& law) {
   return (outcome.lqi || outcome.matrix) && law.name == "state feedback" && law.problem.empty();
 }
@@ -189,7 +188,7 @@ std::string verdict(const DesignOutcome& outcome, const std::vector<WrittenExpor
   return design_warnings(outcome).empty() ? "pass" : "pass with warnings";
 }
 
-/// Failed checks in full, passed ones by their number.
+/// All failed checks, and the number of passed ones.
 std::string verification_text(const VerifyReport& report) {
   const auto ok = std::count_if(report.checks.begin(), report.checks.end(),
                                 [](const VerifyCheck& check) { return check.ok; });

@@ -13,10 +13,10 @@ namespace {
 
 using internal::Json;
 
-/// @param most  so many of the entries, of which the first differ most
-Json entries_json(const GainsDiff& difference, std::size_t most) {
+/// @param most  maximum number of entries; those that differ most come first
+Json entries_json(const GainsDiff& difference, std::size_t max) {
   Json entries = Json::array();
-  for (std::size_t i = 0; i < std::min(most, difference.entries.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(max, difference.entries.size()); ++i) {
     const DiffEntry& entry = difference.entries[i];
     entries.push_back({{"matrix", entry.matrix},
                        {"input", entry.input},
@@ -40,7 +40,7 @@ std::string to_text(const GainsDiff& difference) {
   if (difference.entries.empty()) return "equal in every entry\n";
   constexpr std::size_t kShown = 20;
   std::string text = fmt::format(
-      "{} entries differ, by {:.3g} at most (relative to their row's or column's largest)\n{}\n",
+      "{} entries differ, by at most {:.3g} (relative to the largest of their row or column)\n{}\n",
       difference.entries.size(), difference.max_relative,
       table(entries_json(difference, kShown), {{"matrix", "matrix"},
                                                {"input", "input"},

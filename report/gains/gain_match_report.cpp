@@ -21,9 +21,9 @@ namespace {
 
 using internal::Json;
 
-/// Longest command or path that a file repeats whole.
+/// Longest command or path that is quoted in full in a file [characters].
 constexpr std::size_t kCommentLength = 4096;
-/// A weighted sensitivity above 1 by less is rounding.
+/// Tolerance for a weighted sensitivity above 1.
 constexpr double kRounding = 1e-6;
 
 Json weights_json(const GainMatch& match) {
@@ -58,9 +58,9 @@ bool can_be_lqr(const GainMatch& match) { return match.weighted_sensitivity <= 1
 std::string kalman_line(const GainMatch& match) {
   return fmt::format("weighted sensitivity {:.6g} at {:.4g} rad/s: {}", match.weighted_sensitivity,
                      match.weighted_sensitivity_at,
-                     can_be_lqr(match) ? "at most 1, as of every LQR gain"
-                                       : "more than 1, so with this R no weights of the states, "
-                                         "diagonal or not, give this gain");
+                     can_be_lqr(match) ? "at most 1, as for every LQR gain"
+                                       : "more than 1, so no weights of the states, diagonal or "
+                                         "not, give this gain with this R");
 }
 
 std::string problem_line(const LqrDesign& design) {
@@ -75,7 +75,7 @@ std::string problem_line(const LqrDesign& design) {
 
 // --- TOML ----------------------------------------------------------------------------------------
 
-/// A text of JSON is one of TOML.
+/// A JSON string is a valid TOML string.
 std::string toml_text(const std::string& text) { return internal::json_text(internal::Json(text)); }
 
 std::string words(const std::vector<std::string>& names) {
@@ -97,7 +97,7 @@ std::string rows_of(const Eigen::MatrixXd& M) {
   return fmt::format("[{}\n]", internal::joined(rows, ","));
 }
 
-/// A built-in vehicle's name, or the way from the design file to the vehicle's.
+/// The name of a built-in vehicle, or the path of the vehicle file relative to the design file.
 std::string vehicle_word(const std::string& vehicle, const std::string& path) {
   const std::vector<std::string> known = built_in_vehicles();
   if (std::find(known.begin(), known.end(), vehicle) != known.end()) return vehicle;
@@ -105,7 +105,7 @@ std::string vehicle_word(const std::string& vehicle, const std::string& path) {
   return std::filesystem::absolute(vehicle).lexically_proximate(folder).string();
 }
 
-/// As a design's name may be: letters, digits, '.', '_', '-', at most 64.
+/// A valid name of a design: letters, digits, '.', '_', '-', at most 64 characters.
 std::string name_of(const std::string& vehicle) {
   std::string name = vehicle.substr(0, 56);
   for (char& c : name)
@@ -167,29 +167,29 @@ std::string to_text(const GainMatchReport& report) {
   std::string text =
       section("gains", fmt::format("{}, of {}", report.file, report.vehicle.name)) +
       section("problem", problem_line(match.design)) +
-      section("weights",
-              weight_table(match) +
-                  fmt::format("\nfrom, to: where the gain would have moved by {:.3g}; the "
-                              "geometric mean of R is as it came",
-                              report.tolerance));
+      section("weights", weight_table(match) +
+                             fmt::format("\nfrom, to: where the gain would differ by {:.3g}; the "
+                                         "geometric mean of R is that of the start",
+                                         report.tolerance));
   if (!match.unseen.empty())
     text += section("not seen", fmt::format("{}", internal::joined(match.unseen, "\n")));
   text += section(
       "difference",
-      fmt::format("{} at the start, {} left, at {}: given {:.8g}, found {:.8g}; tolerance {:.3g}\n"
-                  "of an entry, over its row's or column's largest",
-                  figure(match.before, ".3g"), figure(match.after, ".3g"), match.worst, match.given,
-                  match.found, report.tolerance));
-  text += section("search", fmt::format("{} equations solved; {} of {} searches end there",
+      fmt::format(
+          "{} at the start, {} at the end, at {}: given {:.8g}, found {:.8g}; tolerance {:.3g}\n"
+          "difference of an entry, relative to the largest of its row or column",
+          figure(match.before, ".3g"), figure(match.after, ".3g"), match.worst, match.given,
+          match.found, report.tolerance));
+  text += section("search", fmt::format("{} equations solved; {} of {} searches agree",
                                         match.evaluations, match.agreeing, match.starts));
-  text += section("optimality",
-                  kalman_line(match) +
-                      (std::isnan(match.excess_cost)
-                           ? "\nwhat the given gain costs more than the found one is not known: " +
-                                 match.excess_culprit
-                           : fmt::format("\nthe given gain costs {:.2g} % more than the found one, "
-                                         "from a deviation of {}",
-                                         100 * match.excess_cost, match.excess_state)));
+  text += section(
+      "optimality",
+      kalman_line(match) +
+          (std::isnan(match.excess_cost)
+               ? "\nthe additional cost of the given gain is unknown: " + match.excess_culprit
+               : fmt::format("\nthe cost of the given gain is {:.2g} % higher than that of the "
+                             "found one, for a deviation of {}",
+                             100 * match.excess_cost, match.excess_state)));
   text += section("evidence", fmt::format("Riccati residual {:.2g}, reciprocal condition {:.2g}",
                                           riccati.residual, riccati.rcond));
   return text + section("verdict", to_string(match.status));
@@ -200,7 +200,8 @@ std::string design_file(const GainMatchReport& report, const std::string& path,
   const GainMatch& match = report.match;
   const LqrDesign& design = match.design;
   std::string text = fmt::format(
-      "# By {}\n# {}: greatest difference {:.3g} of its row's or column's largest, at {}\n"
+      "# By {}\n# {}: largest difference {:.3g}, relative to the largest of its row or column, at "
+      "{}\n"
       "name = {}\ndescription = {}\nvehicle = {}\n\n",
       internal::printable(command, kCommentLength), to_string(match.status), match.after,
       match.worst, toml_text(name_of(report.vehicle.name)),

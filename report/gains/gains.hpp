@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains that were designed, tuned, exported and verified, as text and JSON. The results are
-/// declared only: who has one includes its header.
+/// Gains that were designed, tuned, exported and verified, as text and JSON. The results are only
+/// declared here; include the header of a result to use it.
 #pragma once
 
 #include <optional>
@@ -49,51 +49,51 @@ namespace quadtune::report {
 /// @param report  solved
 [[nodiscard]] internal::Json to_json(const LqrReport& report);
 [[nodiscard]] std::string to_text(const LqrReport& report);
-/// Those of a vehicle about a trim; the JSON holds the law as `fly --gains` reads it.
+/// LQR gains of a vehicle at a trim; the JSON contains the law in the format of `fly --gains`.
 [[nodiscard]] internal::Json to_json(const VehicleLqrReport& report);
 [[nodiscard]] std::string to_text(const VehicleLqrReport& report);
 
 /// LQI gains that were designed on the flown plant, with their evidence.
 [[nodiscard]] internal::Json to_json(const LqiReport& report, const Vehicle& vehicle);
 [[nodiscard]] std::string to_text(const LqiReport& report);
-/// The same together with the filter, and the deviations that noise causes.
+/// The same together with the filter, and the deviations that sensor noise causes.
 [[nodiscard]] internal::Json to_json(const LqgReport& report, const Vehicle& vehicle);
 [[nodiscard]] std::string to_text(const LqgReport& report);
 
-/// Gains of a given structure, for programs that hold matrices alone, with their evidence.
+/// Gains of a given structure, for programs that store only matrices, with their evidence.
 [[nodiscard]] internal::Json to_json(const MatrixReport& report, const Vehicle& vehicle);
 [[nodiscard]] std::string to_text(const MatrixReport& report);
 
-/// Margins of each group of axes on each plant of the family that gains were designed for.
+/// The margins of each group of axes on each plant of the family that the gains were designed for.
 [[nodiscard]] internal::Json family_json(const FlownGains& flown);
 [[nodiscard]] std::string family_text(const FlownGains& flown);
 
-/// Common to the laws of the flown plant: the gains with their names, the flown loop and the ideal
-/// one, and the law as `fly --gains` reads it.
+/// Shared by the laws of the flown plant: the gains with their names, the flown loop and the ideal
+/// one, and the law in the format of `fly --gains`.
 void add_gains(internal::Json& json, const Gains& gains);
 void add_loops(internal::Json& json, const FlownLoop& flown, const MarginsReport& ideal);
 void add_export(internal::Json& json, const Vehicle& vehicle, const Gains& gains,
                 const std::optional<StoredEstimator>& estimator);
-/// The keys by which read_laws() recognizes laws in what a verb prints as JSON: "format",
-/// "format_version", and "gains", "cascade" and "estimator" where `content` has them.
+/// Adds the keys by which read_laws() recognizes laws in the JSON output of a command: "format",
+/// "format_version", and "gains", "cascade" and "estimator" if `content` has them.
 void add_laws(internal::Json& json, const ExportContent& content);
 
-/// A steady Kalman filter of matrices.
-/// @param dt  sample period [s], 1 of a discrete model without one; 0 of a continuous filter
+/// A steady-state Kalman filter for matrices.
+/// @param dt  sample period [s]; 1 for a discrete model without one; 0 for a continuous filter
 [[nodiscard]] internal::Json to_json(const KalmanResult& result, double dt);
 [[nodiscard]] std::string to_text(const KalmanResult& result, double dt);
 
-/// Gains over a grid of flights: the grid, how many points have a gain, and the first of these
-/// gains. As JSON the schedule is its own table: schedule_text().
-/// @param schedule  with one gain at least
+/// Gains over a grid of trims: the grid, how many points have a gain, and the first of these gains.
+/// The JSON of a schedule is its table: schedule_text().
+/// @param schedule  with at least one gain
 [[nodiscard]] std::string to_text(const GainSchedule& schedule);
 
-/// Weights that were found for a gain.
+/// Weights that were computed for a gain.
 struct GainMatchReport {
   const Vehicle& vehicle;
   const std::string& vehicle_word;  ///< a built-in vehicle, or its file
-  FlightCondition flight;           ///< about which the plant is linear
-  const std::string& file;          ///< of the gains
+  FlightCondition flight;           ///< the trim at which the plant is linearized
+  const std::string& file;          ///< file of the gains
   const Eigen::MatrixXd& K;
   const Eigen::MatrixXd& K_int;
   const GainMatch& match;
@@ -103,15 +103,15 @@ struct GainMatchReport {
 [[nodiscard]] internal::Json to_json(const GainMatchReport& report);
 [[nodiscard]] std::string to_text(const GainMatchReport& report);
 
-/// A design file with the weights, and with the given gain as the published one, so that
-/// `quadtune design` tells how near it comes.
-/// @param path     it will be written to: a vehicle file is named from there
+/// A design file with the weights, and with the given gain as the published one, so that `quadtune
+/// design` reports the difference.
+/// @param path     file that it will be written to; a vehicle file is named relative to it
 /// @param command  for the first line
 [[nodiscard]] std::string design_file(const GainMatchReport& report, const std::string& path,
                                       const std::string& command);
 
-/// Files that were written for another program: [{"path": …, "sha256": …}, …], or one line a file,
-/// as sha256sum prints it.
+/// Files that were written for another program: [{"path": …, "sha256": …}, …], or one line for each
+/// file, as sha256sum prints it.
 /// @param directory  of the files
 [[nodiscard]] internal::Json to_json(const std::vector<ManifestFile>& files);
 [[nodiscard]] std::string to_text(const std::vector<ManifestFile>& files,
@@ -121,7 +121,7 @@ struct GainMatchReport {
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);
 
-/// Where two gain sets differ; as text a table of the entries that differ most.
+/// Where two sets of gains differ; as text, a table of the entries that differ most.
 [[nodiscard]] internal::Json to_json(const GainsDiff& difference);
 [[nodiscard]] std::string to_text(const GainsDiff& difference);
 

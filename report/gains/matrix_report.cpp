@@ -48,7 +48,7 @@ std::string matrix_weights_text(const MatrixReport& report) {
 
 std::string matrix_law_text(const Gains& gains) {
   return fmt::format(
-      "a matrix on 12 states and one on 4 integrals, every {} s, convention {}\nlaw u = u0 {} "
+      "a gain on 12 states and one on 4 integrals, every {} s, convention {}\nlaw u = u0 {} "
       "K (x_sp - x) + K_int integral(x_sp - x), position errors in {} axes",
       number(gains.dt), gains.convention,
       gains.sign_law == SignLaw::set_point_minus_state ? "+" : "-", to_string(gains.axes));

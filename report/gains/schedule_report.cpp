@@ -26,7 +26,7 @@ std::string grid_text(const GainSchedule& schedule) {
   return text;
 }
 
-/// The solved point whose equation was solved with the largest residual.
+/// The solved point with the largest residual.
 Eigen::Index least_accurate(const GainSchedule& schedule, Eigen::Index first_solved) {
   Eigen::Index worst = first_solved;
   for (Eigen::Index i = 0; i < schedule.size(); ++i)
@@ -50,7 +50,7 @@ std::string to_text(const GainSchedule& schedule) {
   const Eigen::Index worst = least_accurate(schedule, solved.first);
   const Gains gains = schedule.gains(solved.first);
   const std::vector<std::string> inputs = names_of(gains.inputs);
-  text += section("residual", fmt::format("at most {:.2g}, at {}", schedule.residual(worst),
+  text += section("residual", fmt::format("maximum {:.2g}, at {}", schedule.residual(worst),
                                           point_words(schedule, worst))) +
           section("first gain", fmt::format("at {}\n{}", point_words(schedule, solved.first),
                                             table(gains.K, inputs, names_of(gains.states))));

@@ -16,7 +16,7 @@ const char* transport_of(LinkFirmware firmware) {
   return firmware == LinkFirmware::simulink ? "TCP" : "UDP";
 }
 
-/// What a field says: in words, or else as a number with its unit.
+/// The meaning of a field: in words, or else as a number with its unit.
 std::string meaning_of(const LinkField& field) {
   if (!field.meaning.empty()) return field.meaning;
   return fmt::format("{}{}{}", field.value, field.unit.empty() ? "" : " ", field.unit);

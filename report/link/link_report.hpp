@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Commands of a link, and what became of them, as text and as JSON.
+/// Commands of a link and their delivery, as text and as JSON.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@ namespace quadtune::report {
 [[nodiscard]] internal::Json to_json(const LinkCommand& command);
 [[nodiscard]] std::string to_text(const LinkCommand& command);
 
-/// A message that was sent, or that would be.
+/// A message that was sent, or that would be sent without --dry-run.
 struct LinkSending {
   LinkTarget to;
   LinkMessage message;
-  std::optional<LinkDelivery> delivery;  ///< none: it was not sent
+  std::optional<LinkDelivery> delivery;  ///< no value: it was not sent
 };
 
 /// "to", "transport", "firmware", "command", "frames", "status", "sent", "acknowledged" and

@@ -18,14 +18,14 @@ constexpr double kHour = 3600;    // [s]
 constexpr double kRootHour = 60;  // [√s]
 constexpr double kMilliG = 1e3 / 9.80665;
 
-/// A reading with its names and units.
+/// A noise component with its names and units.
 struct AllanLine {
   std::string title;
   std::string key;  ///< in JSON
   AllanReading reading;
   std::string unit;
-  double factor = 1;       ///< from `unit` to `other_unit`
-  std::string other_unit;  ///< of data sheets; empty for none
+  double factor = 1;       ///< factor from `unit` to `other_unit`
+  std::string other_unit;  ///< unit of data sheets; empty for none
 };
 
 /// The units of N, B, K and Q of a rate, and those of data sheets with the factors to them.
@@ -67,7 +67,7 @@ std::vector<AllanLine> allan_lines(const AllanAnalysis& a, const std::string& un
   return {{angle ? "noise density (angle random walk), slope -1/2, at tau = 1 s"
                  : "noise density, slope -1/2, at tau = 1 s",
            "noise_density", a.noise_density, u.density, u.to_density, u.other_density},
-          {"bias instability, least deviation / 0.664", "bias_instability", a.bias_instability,
+          {"bias instability, minimum deviation / 0.664", "bias_instability", a.bias_instability,
            u.floor, u.to_floor, u.other_floor},
           {"random walk, slope +1/2, at tau = 3 s", "random_walk", a.random_walk, u.walk, u.to_walk,
            u.other_walk},
@@ -109,7 +109,7 @@ std::string span(double from, double to) {
 std::string line_text(const AllanLine& line) {
   const AllanReading& r = line.reading;
   if (!r.seen) {
-    std::string text = "not seen in this record: " + r.reason;
+    std::string text = "not visible in this log: " + r.reason;
     if (r.at_most > 0)
       text +=
           fmt::format("\nat most {:.4g} {}{}, 95 %", r.at_most, line.unit,
@@ -134,8 +134,8 @@ std::string fit_text(const AllanAnalysis& analysis) {
       analysis.chi_squared, analysis.degrees, analysis.fitted_from, 100 * analysis.model_error);
   if (!analysis.explained)
     return numbers +
-           "\nthe curve is not the sum of these noises: the sensor moved, or a tone or a filter "
-           "shapes it";
+           "\nthe curve is not the sum of these noise components: the sensor moved, or a tone or a "
+           "filter shapes it";
   const bool all = analysis.fitted_from <= analysis.curve.front().point.tau;
   return numbers + (all ? "" : "\nbelow that a filter shapes the curve");
 }

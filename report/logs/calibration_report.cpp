@@ -23,33 +23,33 @@ using internal::vector_to_json;
 
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
-/// One sensor with what a person wants to know of its units.
+/// One sensor with its units.
 struct Sensor {
   const char* name;
-  const char* unit;           ///< of its truth
-  const char* residual;       ///< what the residual is
-  const char* residual_unit;  ///< likewise
-  double residual_factor;     ///< from the library's unit
+  const char* unit;           ///< unit of the calibrated value
+  const char* residual;       ///< name of the residual
+  const char* residual_unit;  ///< unit of the residual
+  double residual_factor;     ///< factor from the library's unit
   const SensorCalibration& found;
-  const MadeUpSensor* truth;
+  const SimulatedSensor* truth;
 };
 
 std::vector<Sensor> sensors_of(const CalibratedImu& imu) {
   const ImuCalibration& c = imu.found;
-  std::vector<Sensor> sensors = {{"accelerometer", "m/s^2", "norm less gravity", "m/s^2", 1,
+  std::vector<Sensor> sensors = {{"accelerometer", "m/s^2", "norm minus gravity", "m/s^2", 1,
                                   c.accelerometer,
                                   imu.truth ? &imu.truth->accelerometer : nullptr}};
   if (c.gyroscope.solved())
-    sensors.push_back({"gyroscope", "rad/s", "gravity turned, less gravity seen", "deg",
+    sensors.push_back({"gyroscope", "rad/s", "rotated gravity minus measured gravity", "deg",
                        kDegreesPerRadian, c.gyroscope,
                        imu.truth ? &imu.truth->gyroscope : nullptr});
   if (c.magnetometer.solved())
-    sensors.push_back({"magnetometer", "field", "norm less the field", "field", 1, c.magnetometer,
+    sensors.push_back({"magnetometer", "field", "norm minus the field", "field", 1, c.magnetometer,
                        imu.truth ? &imu.truth->magnetometer : nullptr});
   return sensors;
 }
 
-/// Digits of a value that its interval supports, one more to see.
+/// The digits of a value that its interval supports, and one more.
 std::string with_interval(double value, double half) {
   if (!(half > 0)) return fmt::format("{:.6g}", value);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 12);
@@ -63,7 +63,7 @@ std::string axes_table(const Sensor& sensor) {
   Cells cells = {{"", "T: x", "y", "z", "K [raw per " + std::string(sensor.unit) + "]", "b [raw]"}};
   for (int i = 0; i < 3; ++i) {
     cells.push_back({std::string(1, "xyz"[i])});
-    for (int j = 0; j < 3; ++j)  // T_ij = M_ij K_jj; K's own error is its diagonal's
+    for (int j = 0; j < 3; ++j)  // T_ij = M_ij K_jj; the error of K is that of the diagonal
       cells.back().push_back(
           i == j ? "1" : with_interval(c.T(i, j), q * c.M_error(i, j) * std::abs(c.K(j))));
     cells.back().push_back(with_interval(c.K(i), q * c.M_error(i, i) * c.K(i) * c.K(i)));
@@ -82,7 +82,7 @@ std::string temperature_text(const SensorCalibration& c) {
                      internal::joined(axes, ", "), c.t0);
 }
 
-/// How many of the made-up sensor's numbers the intervals hold.
+/// How many parameters of the simulated sensor lie in their intervals.
 std::string truth_text(const Sensor& sensor, double t0) {
   const SensorCalibration& c = sensor.found;
   int inside = 0, all = 0;
@@ -97,8 +97,8 @@ std::string truth_text(const Sensor& sensor, double t0) {
     count(c.d(i), c.d_error(i), sensor.truth->d(i));
     for (int j = 0; j < 3; ++j) count(c.M(i, j), c.M_error(i, j), sensor.truth->M(i, j));
   }
-  return fmt::format("{} of {} numbers of the made-up sensor lie in their 95 % intervals", inside,
-                     all);
+  return fmt::format("{} of {} parameters of the simulated sensor lie in their 95 % intervals",
+                     inside, all);
 }
 
 std::string sensor_text(const Sensor& sensor, const CalibratedImu& imu) {
@@ -112,7 +112,7 @@ std::string sensor_text(const Sensor& sensor, const CalibratedImu& imu) {
   if (!c.refused.empty()) {
     std::vector<std::size_t> numbers;
     for (const std::size_t i : c.refused) numbers.push_back(i + 1);
-    text += fmt::format("\nleft out as outliers: {} {}", turns ? "turns" : "poses",
+    text += fmt::format("\nrejected as outliers: {} {}", turns ? "turns" : "poses",
                         fmt::join(numbers, ", "));
   }
   if (sensor.truth) text += "\n" + truth_text(sensor, imu.truth->t0);
@@ -138,22 +138,22 @@ Json sensor_json(const SensorCalibration& c) {
 
 std::string log_text(const CalibratedImu& imu, std::size_t i) {
   const ImuLog& log = imu.logs[i];
-  const StillDetection& still = imu.found.still[i];
+  const StationaryDetection& still = imu.found.still[i];
   const double length = log.t(log.t.size() - 1) - log.t(0);
   std::string text = fmt::format(
-      "{}: {} samples over {:.4g} s, {} still poses\nstill where {:.2g} s vary by at "
-      "most {:.3g} raw",
+      "{}: {} samples over {:.4g} s, {} stationary poses\nstationary if samples of {:.2g} s vary "
+      "by at most {:.3g} raw",
       log.name, log.t.size(), length, still.poses.size(), imu.options.still.window,
       still.accelerometer_threshold);
   if (log.gyroscope.cols() > 0)
     text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
-  text += fmt::format(", {} times the quietest tenth's variance", imu.options.still.factor);
+  text += fmt::format(", {} times the variance of the quietest tenth", imu.options.still.factor);
   if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
   const StartUpOffset start = start_up_offset(log, still);
   text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",
                       StartUpOffset::kSamples, start.offset(0), start.offset(1), start.offset(2),
                       2 * start.error.maxCoeff());
-  if (!start.still) text += ", NOT STILL";
+  if (!start.still) text += ", NOT STATIONARY";
   return text;
 }
 
@@ -171,7 +171,7 @@ Json to_json(const CalibratedImu& imu, const std::string& file) {
   json["poses"] = imu.found.poses.size();
   json["still"] = Json::array();
   for (std::size_t i = 0; i < imu.logs.size(); ++i) {
-    const StillDetection& still = imu.found.still[i];
+    const StationaryDetection& still = imu.found.still[i];
     Json entry = {{"log", imu.logs[i].name},
                   {"poses", still.poses.size()},
                   {"accelerometer_threshold", still.accelerometer_threshold},

@@ -36,7 +36,7 @@ std::vector<std::string> oddities(const LogTiming& timing) {
     parts.push_back(fmt::format("{}, the longest {:.4g} s", counted(timing.gaps, "gap", "gaps"),
                                 timing.longest_gap_s));
   if (timing.duplicates > 0)
-    parts.push_back(counted(timing.duplicates, "time twice", "times twice"));
+    parts.push_back(counted(timing.duplicates, "duplicate time", "duplicate times"));
   if (timing.backwards > 0)
     parts.push_back(counted(timing.backwards, "step back", "steps back") + " in time");
   if (timing.forwards > 0) parts.push_back(counted(timing.forwards, "jump", "jumps") + " forward");
@@ -62,10 +62,11 @@ std::string remarks(const LogChannelSurvey& channel, const LogGroupSurvey& group
   if (channel.samples == 0 && group.rows > 0) return "never has a value";
   if (channel.constant) parts.emplace_back("constant");
   if (channel.saturated > 0)
-    parts.push_back(fmt::format("saturated? {} in a row at an end", channel.saturated));
-  // What the group's line says already is not said again.
+    parts.push_back(
+        fmt::format("saturated? {} in a row at the minimum or maximum", channel.saturated));
+  // Anomalies that the line of the group lists are not repeated.
   if (channel.nan > 0) {
-    parts.push_back(fmt::format("{} without value", channel.nan));
+    parts.push_back(fmt::format("{} without a value", channel.nan));
     for (std::string& part : oddities(channel.timing)) parts.push_back(std::move(part));
   }
   return internal::joined(parts, ", ");

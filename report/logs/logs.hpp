@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Logs and what was found in them, as text, JSON and pages. The results are declared only: who has
-/// one includes its header.
+/// Logs and the results from them, as text, JSON and pages. The results are only declared here;
+/// include the header of a result to use it.
 #pragma once
 
 #include <cstdint>
@@ -21,28 +21,28 @@ struct TunedNoise;
 
 namespace quadtune::report {
 
-/// A survey of a log. Keys as docs/cli.md has them; what is not known is null.
-/// @param models  what each filter model finds in it
+/// A survey of a log. The keys are documented in docs/cli.md; unknown values are null.
+/// @param models  which signals of each filter model the log contains
 [[nodiscard]] internal::Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
                                      const std::string& file);
 [[nodiscard]] std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
                                   const std::string& file);
 
-/// The noise covariances that were found for a filter.
+/// The noise covariances that were estimated for a filter.
 [[nodiscard]] internal::Json to_json(const TunedNoise& tuned);
 [[nodiscard]] std::string to_text(const TunedNoise& tuned);
-/// Logs, fit and gain in likelihood: headings and texts for the page.
+/// Logs, fit and increase of the likelihood: headings and texts for the page.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> facts_of(const TunedNoise& tuned);
-/// @param command  the command line that made it; may be empty
+/// @param command  the command line that produced it; may be empty
 [[nodiscard]] TuningPage page_of(const TunedNoise& tuned, const NoiseEvidence& evidence,
                                  std::uint64_t seed, const std::string& command);
 
-/// The Allan deviation of a sensor and the noises that it shows.
+/// The Allan deviation of a sensor and the noise components that it shows.
 [[nodiscard]] internal::Json to_json(const SensorAllan& allan);
 [[nodiscard]] std::string to_text(const SensorAllan& allan);
 
 /// A calibration of inertial sensors.
-/// @param file  of the numbers that was written; empty for none
+/// @param file  file of the calibration that was written; empty for none
 [[nodiscard]] internal::Json to_json(const CalibratedImu& imu, const std::string& file);
 [[nodiscard]] std::string to_text(const CalibratedImu& imu, const std::string& file);
 

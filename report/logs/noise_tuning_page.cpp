@@ -19,16 +19,17 @@ namespace {
 using Eigen::Index;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kWide = 2;        ///< standard deviations of a band
-constexpr double kLevel = 1.9207;  ///< fall of the log-likelihood at the ends of a 95 % interval
-/// A gap is seen where it has one row in so many.
+constexpr double kWide = 2;        ///< half width of a band [standard deviations]
+constexpr double kLevel = 1.9207;  ///< decrease of the log-likelihood at the ends of a 95 %
+                                   ///< interval
+/// A gap is visible if it has at least one of this number of rows.
 constexpr std::size_t kRowsAGap = 1000;
 
-/// All records, one after the other, as columns over one time.
+/// All records, one after another, as columns over a common time.
 class Timeline {
  public:
-  /// Begins a record: what is put from now on is of its instants. Some rows without values before
-  /// it break the lines, as many as a page does not pass over.
+  /// Begins a record: the following values belong to its instants. Rows without values before it
+  /// interrupt the lines; there are enough of them that the page does not drop the gap.
   void begin(const Samples& times, double offset) {
     std::vector<double>& time = column("t", "s");
     if (!time.empty()) {
@@ -49,7 +50,7 @@ class Timeline {
 
   [[nodiscard]] bool has(const std::string& name) const { return places_.contains(name); }
 
-  /// Of the values that there are.
+  /// The median of the values that are not NaN.
   [[nodiscard]] double median(const std::string& name) const {
     std::vector<double> values = table_.columns[places_.at(name)].values;
     std::erase_if(values, [](double value) { return std::isnan(value); });
@@ -80,7 +81,7 @@ class Timeline {
   std::size_t start_ = 0;
 };
 
-/// An output with the name that checks have for it, and its unit.
+/// An output, with its name in the checks and its unit.
 struct Output {
   std::string name, unit;
 };
@@ -93,7 +94,7 @@ std::vector<Output> outputs_of(const FilterModel& model) {
   return outputs;
 }
 
-/// Fills the page's columns over time and the plots of them.
+/// Fills the columns over time of the page, and their plots.
 class TimePlots {
  public:
   TimePlots(const TunedNoise& tuned, const NoiseEvidence& evidence, TuningPage& page)
@@ -127,8 +128,7 @@ class TimePlots {
     if (logs > 1) page_.remarks.emplace_back("The logs follow one another.");
     if (evidence_.holdout > 0)
       page_.remarks.emplace_back(
-          "Dashed lines: where a log begins, and where the part begins that was kept from the "
-          "fit.");
+          "Dashed lines: the start of a log, and the start of the part that was held out.");
   }
 
  private:
@@ -155,7 +155,7 @@ class TimePlots {
     }
   }
 
-  /// The band holds until the next sample, so that it is an area.
+  /// The band is held until the next sample, so that it forms an area.
   void add_innovations(const NoiseRun& run, Index row, const std::string& unit,
                        const std::string& which) {
     const std::string name = fmt::format("innovation.{}.{}", row, which);
@@ -171,7 +171,7 @@ class TimePlots {
     }
   }
 
-  /// A mean holds until the next one, so that it is a line.
+  /// A mean is held until the next one, so that it forms a line.
   void add_sizes(const RunningSize& size, std::size_t output, const std::string& which) {
     const std::string name = fmt::format("size.{}", output), mean_name = name + "." + which,
                       low = name + ".low", high = name + ".high";
@@ -205,7 +205,7 @@ class TimePlots {
     }
   }
 
-  /// Whether both can be shown over one axis: their medians are within four times of each other.
+  /// Whether both can share an axis: the ratio of their medians is between 1/4 and 4.
   [[nodiscard]] bool comparable(const std::string& a, const std::string& b) const {
     const double ratio = timeline_.median(a) / timeline_.median(b);
     return ratio > 0.25 && ratio < 4;
@@ -218,8 +218,9 @@ class TimePlots {
       if (!timeline_.has(name + ".after")) continue;
       ReportPlot plot{"Normalized innovation squared of " + outputs[j].name, "", {}};
       plot.logarithmic = true;
-      plot.series = {{"running mean", name + ".after", SeriesStyle::value},
-                     {"95 % of a right filter", name + ".low", SeriesStyle::band, name + ".high"}};
+      plot.series = {
+          {"running mean", name + ".after", SeriesStyle::value},
+          {"95 % of a consistent filter", name + ".low", SeriesStyle::band, name + ".high"}};
       if (timeline_.has(name + ".before"))
         plot.series.push_back({"before", name + ".before", SeriesStyle::reference});
       page_.plots.push_back(std::move(plot));

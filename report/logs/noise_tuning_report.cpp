@@ -84,7 +84,7 @@ Json autocovariance_json(const AutocovarianceFit& als) {
 
 std::string held_out(const HoldOut& holdout) {
   if (holdout.innovations == 0) return "nothing";
-  return fmt::format("{} innovations, log-likelihood of each {} before, {} after",
+  return fmt::format("{} innovations, log-likelihood per innovation {} before, {} after",
                      holdout.innovations, figure(holdout.before, ".5g"),
                      figure(holdout.after, ".5g"));
 }
@@ -95,13 +95,13 @@ std::string log_line(const TunedLog& log) {
       log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
 }
 
-/// "height: sonar [m]"; a channel of another log of the flight with its file.
+/// "height: sonar [m]"; with the file if the flight has several logs.
 std::string channel_line(const TunedLog& log, const TunedChannel& channel) {
   return fmt::format("{}: {}{}", channel.signal, channel.channel,
-                     log.files.size() > 1 ? " of " + channel.file : "");
+                     log.files.size() > 1 ? " in " + channel.file : "");
 }
 
-/// One a line.
+/// One channel per line.
 std::string channel_lines(const TunedLog& log) {
   std::vector<std::string> lines;
   for (const TunedChannel& channel : log.channels) lines.push_back(channel_line(log, channel));
@@ -138,10 +138,11 @@ Json agreement_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
   return json;
 }
 
-/// What the other method finds, and how far that is from what was found.
+/// The estimates of the other method, and their differences from this one.
 std::string agreement_table(const NoiseAgreement& agreement, const NoiseFit& fit) {
   if (!agreement.not_compared.empty())
-    return fmt::format("not with {}: {}", to_string(agreement.other), agreement.not_compared);
+    return fmt::format("not compared with {}: {}", to_string(agreement.other),
+                       agreement.not_compared);
   return table(parameters_json(agreement, fit), {{"name", "by " + to_string(agreement.other)},
                                                  {"value", "found", "", ".4g"},
                                                  {"low", "from", "", ".4g"},
@@ -151,7 +152,7 @@ std::string agreement_table(const NoiseAgreement& agreement, const NoiseFit& fit
                                                  {.key = "disagrees", .yes = "disagrees"}});
 }
 
-/// Radians also in degrees.
+/// Shows radians in degrees as well.
 std::string error_figure(double value, const std::string& unit) {
   if (unit != "rad") return fmt::format("{} {}", figure(value, ".4g"), unit);
   return fmt::format("{} rad = {} deg", figure(value, ".4g"), figure(degrees(value), ".4g"));
@@ -170,8 +171,8 @@ std::string accuracy_table(const NoiseTuning& tuning) {
          error_figure(state.after, state.unit),
          state.before > 0 ? fmt::format("{:+.1f} %", 100 * (state.after / state.before - 1)) : "-",
          state.held_out || !some_held_out(tuning) ? "" : "fitted part"});
-  return aligned(rows, "<>>>><") +
-         (some_held_out(tuning) ? "\non the stretch held out" : "\non the part that was fitted");
+  return aligned(rows, "<>>>><") + (some_held_out(tuning) ? "\non the part that was held out"
+                                                          : "\non the part that was fitted");
 }
 
 Json accuracy_to_json(const NoiseTuning& tuning) {
@@ -197,8 +198,8 @@ std::string fit_line(const NoiseTuning& tuning) {
     return fmt::format("{} after {} evaluations{}: the best so far", to_string(fit.status),
                        fit.evaluations, rounds);
   if (!tuning.autocovariances)
-    return fmt::format("{} after {} evaluations; {} of {} searches end there{}",
-                       to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts, rounds);
+    return fmt::format("{} after {} evaluations; {} of {} searches agree{}", to_string(fit.status),
+                       fit.evaluations, fit.agreeing, fit.starts, rounds);
   const AutocovarianceFit& als = *tuning.autocovariances;
   return fmt::format(
       "{} by autocovariances: {:.0f} samples every {:.6g} s, lags to {}, {} gains{}\n"

@@ -28,7 +28,7 @@ const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
 
 Json evidence_json(const CascadeLoopEvidence& evidence) {
   const LoopMargins& m = evidence.margins;
-  if (!m.stable) return {{"stable", false}};  // sizes of what grows say nothing
+  if (!m.stable) return {{"stable", false}};  // the metrics of an unstable loop are meaningless
   return {{"stable", m.stable},
           {"rate_crossover", evidence.rate.crossover},
           {"bandwidth", evidence.bandwidth},
@@ -41,12 +41,12 @@ Json evidence_json(const CascadeLoopEvidence& evidence) {
           {"tracking_peak", evidence.tracking_peak},
           {"load_integral", evidence.load_integral},
           {"load_peak", evidence.load_peak},
-          {"load_left", evidence.load_left},
+          {"load_left", evidence.load_steady_state},
           {"value_noise", evidence.value_noise},
           {"rate_noise", evidence.rate_noise}};
 }
 
-/// As the vehicle's file has it.
+/// The loop as published in the vehicle file.
 const PidLoop& as_published(const CascadeReport& report, CascadeAxis axis) {
   const std::vector<PidLoop>& loops = report.published->loops;
   return *std::find_if(loops.begin(), loops.end(),
@@ -79,7 +79,7 @@ std::string loops_text(const CascadeReport& report) {
   Json rows = loops_json(report);
   for (Json& row : rows) {
     const std::string& output = row["output"].text();
-    row["output"] = output.substr(0, output.find(" beside"));
+    row["output"] = output.substr(0, output.find(","));
   }
   return table(rows, {{"name", "loop"},
                       {"Kp", "Kp", "", ".4g"},
@@ -120,28 +120,28 @@ std::string comparison_text(const CascadeReport& report) {
     cells.push_back({to_string(loop.axis), pair(here.margins.Ms, there.margins.Ms, ".3f"),
                      pair(std::abs(loop.design.gains.Ki), std::abs(loop.published->Ki), ".3g"),
                      pair(here.load_peak, there.load_peak, ".4g"),
-                     pair(here.load_left, there.load_left, ".3g"),
+                     pair(here.load_steady_state, there.load_steady_state, ".3g"),
                      pair(here.value_noise, there.value_noise, ".3g"),
                      pair(here.rate_noise, there.rate_noise, ".3g"),
-                     there.margins.stable ? "" : "there UNSTABLE"});
+                     there.margins.stable ? "" : "published: UNSTABLE"});
   }
   return report.published_source +
-         ", here (there): a step of load beside the loop's command, noise of the sensors in it\n" +
+         ", here (published): a load step added to the command, and sensor noise in the command\n" +
          aligned(cells);
 }
 
-/// One figure of a loop, smaller the better, here and as published.
+/// A metric of a loop, here and as published; smaller is better.
 struct ComparedFigure {
   const char* name;
   double here;
   double there;
 
-  /// In per cent; a part of a millionth is what the search leaves of a bound.
+  /// Improvement in per cent. A difference below 1e-6 is within the tolerance of the search.
   [[nodiscard]] double gain() const { return here == there ? 0 : 100 * (1 - here / there); }
   [[nodiscard]] bool worse() const { return here > there * (1 + 1e-6); }
   [[nodiscard]] std::string text() const {
     if (here == there || std::abs(gain()) < 0.05) return "same";
-    if (std::isinf(here) || there == 0) return "WORSE";
+    if (std::isinf(here) || there == 0) return "worse";
     if (std::isinf(there)) return "all";
     return fmt::format("{:.1f} %", gain());
   }
@@ -157,7 +157,7 @@ std::vector<ComparedFigure> figures(const CascadeAxisDesign& loop) {
           {"noise: rate", here.rate_noise, there.rate_noise}};
 }
 
-/// By how much the cascade is better than what is published, and where it is not.
+/// The improvement of each metric over the published cascade, and the regressions.
 std::string verdict(const CascadeReport& report) {
   Cells cells = {{"loop"}};
   for (const ComparedFigure& figure : figures(report.cascade.loops.front()))
@@ -170,12 +170,12 @@ std::string verdict(const CascadeReport& report) {
     for (const ComparedFigure& figure : figures(loop)) {
       cells.back().push_back(measured ? figure.text() : "-");
       if (measured && figure.worse())
-        losses.push_back(fmt::format("{} in {}", to_string(loop.axis), figure.name));
+        losses.push_back(fmt::format("{} ({})", to_string(loop.axis), figure.name));
     }
-    if (!measured) cells.back().push_back("what is published is unstable here");
+    if (!measured) cells.back().push_back("the published loop is unstable");
   }
   return aligned(cells) +
-         (losses.empty() ? "\nno figure is worse" : "\nWORSE: " + internal::joined(losses, ", "));
+         (losses.empty() ? "\nno regressions" : "\nregressions: " + internal::joined(losses, ", "));
 }
 
 }  // namespace
@@ -207,13 +207,14 @@ std::string to_text(const CascadeReport& report) {
       section("loops", loops_text(report));
   if (report.designed) text += section("bound by", bound_text(report));
   if (!report.published_source.empty())
-    text += section("beside", comparison_text(report)) + section("lower by", verdict(report));
+    text +=
+        section("comparison", comparison_text(report)) + section("improvement", verdict(report));
   const double radius = report.cascade.poles.cwiseAbs().maxCoeff();
-  text += section("margins", to_text(report.margins)) +
-          section("closed", fmt::format("{}: {} poles of all loops together, the greatest of "
-                                        "modulus {:.6f}",
-                                        unstable(report) ? "UNSTABLE" : "stable",
-                                        report.cascade.poles.size(), radius));
+  text +=
+      section("margins", to_text(report.margins)) +
+      section("closed", fmt::format("{}: {} poles of all loops together, largest modulus {:.6f}",
+                                    unstable(report) ? "UNSTABLE" : "stable",
+                                    report.cascade.poles.size(), radius));
   return text;
 }
 

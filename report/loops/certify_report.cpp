@@ -42,7 +42,7 @@ Json box_json(const LoopFamily& family) {
   return box;
 }
 
-/// "… are in 0.9 … 1.1": where a proof stopped.
+/// The part of the box at which a proof stopped.
 std::string where_text(const StabilityProof& proof) {
   std::string text =
       fmt::format("delay {:.5g} ... {:.5g} s", proof.where.delay_low, proof.where.delay_high);
@@ -57,11 +57,11 @@ std::string proof_text(const StabilityProof& proof) {
   if (proof.proved())
     return fmt::format(
         "stable in the whole box: {} Lyapunov functions, each on a part of it\n"
-        "every loop contracts by {:.3g} a period at least, in the norm of its part",
+        "every loop contracts by at least {:.3g} per period, in the norm of its part",
         proof.proved_boxes, proof.gap);
   return fmt::format(
       "{}: {}\nthere: {}",
-      proof.status == StabilityProofStatus::unstable ? "an unstable loop came up" : "not proved",
+      proof.status == StabilityProofStatus::unstable ? "an unstable loop was found" : "not proved",
       proof.culprit, where_text(proof));
 }
 
@@ -73,22 +73,23 @@ std::string stability_text(const StabilityProof& proof) {
 
 std::string scale_text(const CertifiedLaw& law) {
   const Robustness& r = law.robustness;
-  std::string text = fmt::format("proved up to {:.4g} times the box about nominal", r.proved_scale);
+  std::string text =
+      fmt::format("proved up to {:.4g} times the box around nominal", r.proved_scale);
   if (std::isfinite(r.found_scale))
     return text + fmt::format("\nunstable at {:.4g} times: {}", r.found_scale,
-                              in_words(law.family, r.found.parameters));
-  return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}",
-                            law.family.greatest_scale, law.family.greatest_scale_reason);
+                              describe(law.family, r.found.parameters));
+  return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}", law.family.max_scale,
+                            law.family.max_scale_reason);
 }
 
 std::string flown_text(const CertifiedLaw& law) {
   const FlownBox& flown = *law.flown;
-  if (!flown.worst) return "not looked at: " + flown.why;
+  if (!flown.worst) return "not analysed: " + flown.why;
   return fmt::format(
       "{} vehicles of the box with their sensors and the estimator {}: {}\n"
       "worst: {}; {}",
       flown.vehicles, flown.worst->estimator, law.flown_unstable() ? "UNSTABLE" : "stable",
-      in_words(*flown.worst), in_words(law.family, flown.parameters));
+      describe(*flown.worst), describe(law.family, flown.parameters));
 }
 
 Json flown_json(const CertifiedLaw& law) {
@@ -100,7 +101,7 @@ Json flown_json(const CertifiedLaw& law) {
           {"sensors", flown.worst->sensors},
           {"stable", !law.flown_unstable()},
           {"radius", std::abs(flown.worst->mode.z)},
-          {"mode", in_words(*flown.worst)},
+          {"mode", describe(*flown.worst)},
           {"parameters", point_json(law.family, flown.parameters)}};
 }
 
@@ -111,7 +112,7 @@ std::string law_text(const CertifiedLaw& law) {
          section("proof", proof_text(r.proof)) +
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",
-                                            in_words(law.family, r.worst.parameters))) +
+                                            describe(law.family, r.worst.parameters))) +
          section("bracket", scale_text(law)) + (law.flown ? section("flown", flown_text(law)) : "");
 }
 
@@ -150,8 +151,8 @@ Json law_json(const CertifiedLaw& law) {
            {{"proved", r.proved_scale},
             {"found", r.found_scale},
             {"found_at", found ? point_json(law.family, r.found.parameters) : Json(nullptr)},
-            {"greatest", law.family.greatest_scale},
-            {"greatest_reason", law.family.greatest_scale_reason}}},
+            {"greatest", law.family.max_scale},
+            {"greatest_reason", law.family.max_scale_reason}}},
           {"flown", flown_json(law)},
           {"proved", law.proved()},
           {"reason", law.reason()}};
@@ -169,10 +170,10 @@ Json to_json(const CertifyReport& report) {
 }
 
 std::string to_text(const CertifyReport& report) {
-  std::string text =
-      section("certify", fmt::format("{}, hover of {}: linear loops as sampled, each "
-                                     "number of the box constant",
-                                     report.directory, report.vehicle));
+  std::string text = section(
+      "certify",
+      fmt::format("{}, hover of {}: linear sampled loops, each parameter of the box constant",
+                  report.directory, report.vehicle));
   for (const CertifiedLaw& law : report.laws) text += law_text(law);
   return text + section("verdict", report.verdict());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A firmware's parameters on a vehicle, for `import`.
+/// The parameters of a firmware on a vehicle, for `import`.
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
@@ -90,7 +90,7 @@ std::string to_text(const FirmwareImport& import) {
                                   {"derivative", "D", "", ".3g"},
                                   {"per_unit", "per unit", "of output", ".4g"}})) +
       section("turns",
-              "with the firmware's filters, rate and delay, and the rotors' lag\n" +
+              "with the filters, rate and delay of the firmware, and the motor lag\n" +
                   table(turns_json(import), {{"name", "loop"},
                                              {"rate/crossover", "rate", "[rad/s]", ".3g"},
                                              {"rate/phase_margin_deg", "phase", "[deg]", ".1f"},

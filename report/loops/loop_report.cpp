@@ -45,7 +45,7 @@ std::string to_text(const FlownLoop& loop) {
                             loop.stable()  ? "stable"
                             : loop.grows() ? "UNSTABLE"
                                            : "neutral",
-                            std::abs(loop.mode.z), in_words(loop));
+                            std::abs(loop.mode.z), describe(loop));
 }
 
 internal::Json to_json(const LoopReport& report) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Loops and models as text, JSON and pictures. The results are declared only: who has one includes
-/// its header.
+/// Loops and models as text, JSON and pictures. The results are only declared here; include the
+/// header of a result to use it.
 #pragma once
 
 #include <string>
@@ -28,51 +28,52 @@ namespace quadtune::report {
 /// "published", "loops", "margins", "spectral_radius".
 [[nodiscard]] internal::Json to_json(const CascadeReport& report);
 [[nodiscard]] std::string to_text(const CascadeReport& report);
-/// The same with "method", "plant", "flown", "flown_loop", and its laws as they are read again.
+/// The same with "method", "plant", "flown", "flown_loop", and the laws in the format that `fly
+/// --gains` reads.
 [[nodiscard]] internal::Json to_json(const VehicleCascade& cascade);
 [[nodiscard]] std::string to_text(const VehicleCascade& cascade);
-/// A firmware's parameters on a vehicle; the JSON holds the cascade as `fly --gains` reads it.
+/// The parameters of a firmware on a vehicle; the JSON contains the cascade in the format of `fly
+/// --gains`.
 [[nodiscard]] internal::Json to_json(const FirmwareImport& import);
 [[nodiscard]] std::string to_text(const FirmwareImport& import);
 /// All loops, cut at the wrench.
 [[nodiscard]] Figure cascade_figure(const VehicleCascade& cascade);
 
-/// What `certify` proved and found.
+/// The proofs and searches of `certify`.
 [[nodiscard]] internal::Json to_json(const CertifyReport& report);
 [[nodiscard]] std::string to_text(const CertifyReport& report);
 
-/// The flown loop: "stable", "largest_pole", "mode" and its circumstances; not its margins.
+/// The flown loop: "stable", "largest_pole", "mode" and its conditions; not its margins.
 [[nodiscard]] internal::Json to_json(const FlownLoop& loop);
 [[nodiscard]] std::string to_text(const FlownLoop& loop);
 
-/// The linear model of a vehicle about a trim, with the names of states and inputs; notes in JSON
-/// only.
+/// The linear model of a vehicle at a trim, with the names of states and inputs; the notes are in
+/// the JSON only.
 /// @param model  solved
 [[nodiscard]] internal::Json to_json(const Linearization& model);
 [[nodiscard]] std::string to_text(const Linearization& model);
 
-/// The margins of a loop, "time", "dt", and of a vehicle's loop "plant", "flown" and "ideal".
+/// The margins of a loop, "time", "dt", and for a vehicle's loop "plant", "flown" and "ideal".
 [[nodiscard]] internal::Json to_json(const LoopReport& report);
 [[nodiscard]] std::string to_text(const LoopReport& report);
 
-/// What sampling makes of a vehicle's closed loops: "vehicle", "dt", "methods", "not_compared", and
-/// "flown" where it was requested.
+/// The effect of sampling on a vehicle's closed loops: "vehicle", "dt", "methods", "not_compared",
+/// and "flown" if it was requested.
 [[nodiscard]] internal::Json to_json(const MethodComparison& comparison);
 [[nodiscard]] std::string to_text(const MethodComparison& comparison);
-/// The set point of x of the cascade: the slowest chain of loops, where periods matter least, and
-/// the fastest poles, where they matter most.
+/// The response to the set point of x of the cascade: the slowest chain of loops, where periods
+/// matter least, and the fastest poles, where they matter most.
 [[nodiscard]] Figure sampling_figure(const MethodComparison& methods);
 
-/// PID gains for a transfer function, the margins of their loop, and "how" they were found.
+/// PID gains for a transfer function, the margins of their loop, and "how" they were computed.
 [[nodiscard]] internal::Json to_json(const PidReport& report);
 [[nodiscard]] std::string to_text(const PidReport& report);
-/// @param num, den  the plant's, as they were given
+/// @param num, den  coefficients of the plant, as given by the user
 [[nodiscard]] Figure pid_figure(const PidReport& report, const std::string& num,
                                 const std::string& den);
 
-/// A sampled plant, or one taken back to continuous time: "A", "B", "C", "D", and "states" where
-/// delays have added to them; or "num", "den" and the delay. Then "dt", "method", "inverse" and
-/// "warnings".
+/// A sampled plant, or one converted to continuous time: "A", "B", "C", "D", and "states" if delays
+/// have added states; or "num", "den" and the delay. Then "dt", "method", "inverse" and "warnings".
 [[nodiscard]] internal::Json to_json(const SampledPlant& sampled);
 [[nodiscard]] std::string to_text(const SampledPlant& sampled);
 

@@ -9,10 +9,10 @@
 
 namespace quadtune::report {
 
-/// "loops" and "multivariable". What is infinite is null, and what was not asked for.
+/// "loops" and "multivariable". Values that are infinite or were not requested are null.
 [[nodiscard]] internal::Json to_json(const MarginsReport& report);
 
-/// A table with a row for each channel, and a line for all at once.
+/// A table with a row for each channel, and a line for all loops at once.
 [[nodiscard]] std::string to_text(const MarginsReport& report);
 
 }  // namespace quadtune::report

@@ -25,7 +25,7 @@ using internal::Json;
 
 // --- text ----------------------------------------------------------------------------------------
 
-/// A table's two lines of headings: three columns for each quantity, one for each period.
+/// The two lines of headings of a table: three columns for each quantity, one for each period.
 Cells headings(const std::string& first, const std::array<const char*, 3>& quantities,
                const std::array<double, 3>& periods) {
   Cells cells = {{""}, {first}};
@@ -44,7 +44,7 @@ std::string percent(const std::optional<SamplingError>& error, double SamplingEr
     return part == &SamplingError::pole && std::isfinite(value) ? fmt::format("{:.2g}", 100 * value)
                                                                 : "lost";
   if (!std::isfinite(value)) return "-";
-  if (value < 1e-7) return "0";  // what multiple poles leave of rounding
+  if (value < 1e-7) return "0";  // rounding of multiple poles
   return 100 * value < 99.5 ? fmt::format("{:.2g}", 100 * value)
                             : fmt::format("{:.0f}", 100 * value);
 }
@@ -81,17 +81,16 @@ std::string flown_law_text(const ComparedLaw& law, const std::array<double, 3>& 
     for (const FlownPeriod& at : method.periods) {
       if (!at.loop || at.loop->grows()) {
         const std::string reason = fmt::format(
-            "{} s: {}", number(at.dt), at.loop ? "unstable; " + in_words(*at.loop) : at.why);
+            "{} s: {}", number(at.dt), at.loop ? "unstable; " + describe(*at.loop) : at.why);
         for (auto* column : {&phase, &Ms, &disk}) column->emplace_back(at.loop ? "lost" : "-");
         if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
           reasons.push_back(reason);
         continue;
       }
-      const LeastMargins least = least_margins(*at.loop);
-      phase.push_back(std::isfinite(least.phase) ? fmt::format("{:.1f}", degrees(least.phase))
-                                                 : "any");
-      Ms.push_back(fmt::format("{:.2f}", least.Ms));
-      disk.push_back(fmt::format("{:.2f}", least.disk));
+      const MinMargins min = min_margins(*at.loop);
+      phase.push_back(std::isfinite(min.phase) ? fmt::format("{:.1f}", degrees(min.phase)) : "any");
+      Ms.push_back(fmt::format("{:.2f}", min.Ms));
+      disk.push_back(fmt::format("{:.2f}", min.disk));
     }
     cells.push_back({method.name});
     for (const auto* column : {&phase, &Ms, &disk})
@@ -133,18 +132,18 @@ void add_flown(Json& flown, const ComparedLaw& law) {
       const bool lost = at.loop->grows();
       entry["estimator"] = at.loop->estimator;
       entry["stable"] = !lost;
-      entry["slowest_mode"] = in_words(*at.loop);
-      const LeastMargins least = least_margins(*at.loop);
-      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(least.phase));
-      entry["Ms"] = lost ? Json(nullptr) : Json(least.Ms);
-      entry["disk"] = lost ? Json(nullptr) : Json(least.disk);
+      entry["slowest_mode"] = describe(*at.loop);
+      const MinMargins min = min_margins(*at.loop);
+      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(min.phase));
+      entry["Ms"] = lost ? Json(nullptr) : Json(min.Ms);
+      entry["disk"] = lost ? Json(nullptr) : Json(min.disk);
       flown.push_back(entry);
     }
 }
 
 // --- picture -------------------------------------------------------------------------------------
 
-/// Outputs of a channel after a step of its set point.
+/// The outputs of a channel after a step of its set point.
 std::vector<double> step_of(const DiscreteLti& loop, Eigen::Index channel, std::size_t samples) {
   std::vector<double> y;
   y.reserve(samples);
@@ -188,8 +187,8 @@ Json to_json(const MethodComparison& comparison) {
 
 std::string to_text(const MethodComparison& comparison) {
   std::string text = section("vehicle", comparison.vehicle +
-                                            " at hover: errors of x, y, z and yaw after "
-                                            "their set points, the worst of the four");
+                                            " at hover: errors of x, y, z and yaw in following "
+                                            "their set points, the largest of the four");
   for (const ComparedLaw& law : comparison.laws) {
     std::string about = law.about + "\n" + law.why;
     if (law.why.empty()) about += methods_text(law, comparison.periods);
@@ -205,8 +204,8 @@ Figure sampling_figure(const MethodComparison& methods) {
   const double dt = methods.dt;
   Comparison comparison;
   comparison.dt = dt;
-  comparison.title =
-      fmt::format("{}: {}, x by its set point, every {} s", methods.vehicle, law.name, number(dt));
+  comparison.title = fmt::format("{}: {}, x following its set point, every {} s", methods.vehicle,
+                                 law.name, number(dt));
   const Eigen::VectorXcd poles = loop.A.eigenvalues();
   const double duration = 7 / -poles.real().maxCoeff();
   const auto samples = static_cast<std::size_t>(std::clamp(duration / dt, 50.0, 4000.0));

@@ -23,19 +23,19 @@ using Report = MissionTuningResult;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// What the column of the best point is called.
+/// The heading of the column of the best point.
 std::string found_word(const Report& report) {
   return report.search.accepted ? "found" : "not taken";
 }
 
-/// What counts of the draws: "mean", "0.9 quantile", "worst".
+/// The measure over the draws: "mean", "0.9 quantile", "worst".
 std::string measure_of(const Report& report) {
   const TrialRequest& request = report.request;
   return request.measure == RobustMeasure::quantile ? fmt::format("{:g} quantile", request.share)
                                                     : to_string(request.measure);
 }
 
-/// On fresh draws, where there was a proof.
+/// The outcomes are those on fresh draws if they were flown.
 bool proved(const Report& report) { return !report.search.proof_before.costs.empty(); }
 const TrialOutcome& outcome_before(const Report& report) {
   return proved(report) ? report.search.proof_before : report.search.before;
@@ -44,22 +44,22 @@ const TrialOutcome& outcome_after(const Report& report) {
   return proved(report) ? report.search.proof_after : report.search.after;
 }
 
-/// Those of the columns: start, best point, and the rival if there is one.
+/// The outcomes of the columns: start, best point, and published gains if there are any.
 std::vector<const TrialOutcome*> outcomes_of(const Report& report) {
   std::vector<const TrialOutcome*> outcomes = {&outcome_before(report), &outcome_after(report)};
   if (report.rival) outcomes.push_back(&*report.rival);
   return outcomes;
 }
 
-/// A figure of a mission, with its value in each of outcomes_of().
+/// A metric of a mission, with its value in each of outcomes_of().
 struct Figure {
   std::size_t mission = 0;
   Metric metric = Metric::duration;
   std::vector<double> values;
 };
 
-/// What is told of missions: figures that some flight has; after the usual ones those of the cost
-/// and of limits.
+/// The metrics of the missions that have a value in some flight: the usual ones, then those of the
+/// cost and of limits.
 std::vector<Figure> figures_of(const Report& report) {
   const std::vector<const TrialOutcome*> outcomes = outcomes_of(report);
   std::vector<Figure> figures;
@@ -170,7 +170,7 @@ std::string margins_text(const Report& report) {
                     found_word(report));
 }
 
-/// None of a loop that is unstable, or that there is not.
+/// The margins by name; empty if the loop is unstable or missing.
 std::vector<NamedMargins> named(const std::optional<FlownLoop>& loop) {
   std::vector<NamedMargins> all;
   if (!loop || loop->grows()) return all;
@@ -181,10 +181,10 @@ std::vector<NamedMargins> named(const std::optional<FlownLoop>& loop) {
 
 std::string flown_text(const Report& report) {
   const FlownEvidence& flown = report.flown;
-  if (!flown.after) return "no flown plant: " + flown.why;
+  if (!flown.after) return "the flown loop was not analysed: " + flown.why;
   std::string text;
   const auto unstable = [&](const std::optional<FlownLoop>& loop, const std::string& what) {
-    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, in_words(*loop));
+    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, describe(*loop));
   };
   unstable(flown.before, "start");
   unstable(flown.after, found_word(report));
@@ -234,7 +234,7 @@ Json flown_json(const std::optional<FlownLoop>& loop) {
   if (!loop) return nullptr;
   return {{"estimator", loop->estimator},
           {"stable", !loop->grows()},
-          {"slowest_mode", in_words(*loop)},
+          {"slowest_mode", describe(*loop)},
           {"margins", margins_json(named(loop))}};
 }
 
@@ -251,7 +251,7 @@ Json outcome_json(const Report& report, const TrialOutcome& outcome) {
     limits.push_back({{"mission", limit.mission},
                       {"metric", name_of(limit.metric)},
                       {"value", limit.value},
-                      {"at_most", limit.most},
+                      {"at_most", limit.max},
                       {"ok", limit.excess() <= kLimitTolerance}});
   return {{"cost", outcome.cost},
           {"flights", outcome.flights},
@@ -271,7 +271,7 @@ PageCompared row(std::string of, std::string label, std::string unit, std::vecto
   return compared;
 }
 
-/// "Ms of yaw: 10 % looser would lower the cost by 1.3 %", of each limit that binds.
+/// "Ms of yaw: 10 % looser would lower the cost by 1.3 %", for each active limit.
 std::vector<std::string> binding_words(const MissionSearchResult& result) {
   std::vector<std::string> words = result.binding;
   for (std::size_t i = 0; i < result.buys.size(); ++i) {
@@ -292,12 +292,13 @@ PageComparedTable missions_table(const Report& report) {
   table.id = "missions";
   table.title = "Missions";
   const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
-  const std::string draws = fmt::format("{} {} draws", before.costs.size(),
-                                        proved(report) ? "fresh" : "of the search\u2019s");
-  table.hint = fmt::format("Means over {}, the same for each column; a limit is for the {}.", draws,
-                           measure_of(report));
+  const std::string draws =
+      fmt::format("{} {} draws", before.costs.size(), proved(report) ? "fresh" : "search");
+  table.hint = fmt::format("Means over {}, the same for each column; a limit applies to the {}.",
+                           draws, measure_of(report));
   if (before.failed + after.failed + (report.rival ? report.rival->failed : 0) > 0)
-    table.hint += " A flight that ends early keeps no limit; its figures are of what it flew.";
+    table.hint +=
+        " A flight that ends early violates all limits; its metrics are those up to its end.";
   const auto values = [&](const auto& of) {
     std::vector<double> all;
     for (const TrialOutcome* outcome : outcomes_of(report)) all.push_back(of(*outcome));
@@ -318,11 +319,12 @@ PageComparedTable missions_table(const Report& report) {
     const auto limit = std::find_if(mission.limits.begin(), mission.limits.end(),
                                     [&](const Limit& l) { return l.metric == figure.metric; });
     if (limit != mission.limits.end()) {
-      // Two missions may have one name, as in calm and in wind: limits are mission by mission.
+      // Two missions may have the same name, e.g. in calm and in wind, so limits are counted
+      // mission by mission.
       auto at = static_cast<std::size_t>(limit - mission.limits.begin());
       for (std::size_t m = 0; m < figure.mission; ++m)
         at += report.request.missions[m].limits.size();
-      compared.limit = limit->most;
+      compared.limit = limit->max;
       for (const TrialOutcome* outcome : outcomes_of(report))
         compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
       compared.binds = binds(report, fmt::format("{} of {}", name_of(figure.metric), mission.name));
@@ -332,7 +334,7 @@ PageComparedTable missions_table(const Report& report) {
   return table;
 }
 
-/// A margin as the page shows it.
+/// A margin and its format on the page.
 struct MarginKind {
   const char* name;
   const char* label;
@@ -354,7 +356,7 @@ PageComparedTable flown_table(const Report& report) {
   table.id = "flown";
   table.title = "Margins of the flown loop";
   table.hint = fmt::format(
-      "Rotor lag, delays, sensors and estimator included ({}); cut at the law\u2019s outputs.",
+      "Motor lag, delays, sensors and estimator included ({}); cut at the outputs of the law.",
       report.flown.after->estimator);
   std::vector<std::vector<NamedMargins>> columns = {named(report.flown.before),
                                                     named(report.flown.after)};
@@ -375,7 +377,7 @@ PageComparedTable margins_table(const Report& report) {
   PageComparedTable table;
   table.id = "margins";
   table.title = "Margins of the loops";
-  table.hint = "Of the vehicle as its file has it, with true states.";
+  table.hint = "For the vehicle of the file, with true states.";
   for (std::size_t i = 0; i < report.after.size(); ++i)
     for (const MarginKind& kind : kMarginKinds) {
       std::vector<double> plain;
@@ -389,7 +391,7 @@ PageComparedTable margins_table(const Report& report) {
       for (const double x : plain) values.push_back(kind.shown(x));
       PageCompared compared = row(report.after[i].name, kind.label, kind.unit, values);
       const std::string name = fmt::format("{} of {}", kind.name, report.after[i].name);
-      // Of two limits, of all loops and of this one, the stricter counts.
+      // Of two limits, one for all loops and one for this loop, the stricter applies.
       const DesignLimit* limit = nullptr;
       for (const DesignLimit& one : report.limits)
         if (one.name == name && (limit == nullptr || (one.at_least ? one.bound > limit->bound
@@ -431,10 +433,10 @@ PageComparedTable gains_table(const Report& report) {
 }
 
 PageSearch search_of(const MissionSearchResult& result) {
-  constexpr std::size_t kMostPoints = 2000;
+  constexpr std::size_t kMaxPoints = 2000;
   PageSearch search;
   const std::vector<SearchStep>& steps = result.steps;
-  const std::size_t stride = steps.size() / kMostPoints + 1;
+  const std::size_t stride = steps.size() / kMaxPoints + 1;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const bool improved = i == 0 || i + 1 == steps.size() || steps[i].best != steps[i - 1].best;
     if (!improved && i % stride != 0) continue;
@@ -445,10 +447,10 @@ PageSearch search_of(const MissionSearchResult& result) {
   return search;
 }
 
-/// How far each controller was from the reference, drawn for each mission.
+/// The distance of each controller from the reference, for each mission.
 std::vector<PageFlown> flown(const std::vector<TunedFlights>& missions,
                              const std::vector<std::string>& names) {
-  constexpr double kLeast = 1e-4;  // [m]; the axis is logarithmic
+  constexpr double kMin = 1e-4;  // [m]; the axis is logarithmic
   std::vector<PageFlown> all;
   for (const TunedFlights& mission : missions) {
     const DistanceOverTime& longest = *std::max_element(
@@ -462,7 +464,7 @@ std::vector<PageFlown> flown(const std::vector<TunedFlights>& missions,
       LogColumn column{fmt::format("c{}", c), "m", {}};
       for (const double t : longest.time) {
         const double distance = mission.distances[c].at(t);
-        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kLeast));
+        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kMin));
       }
       page.plot.series.push_back({names[c], column.name});
       page.log.columns.push_back(std::move(column));
@@ -478,13 +480,13 @@ std::string to_text(const Report& report) {
   std::string gains =
       gains_text(report.tuning.gains(report.tuning.start), report.tuning.gains(r.candidate));
   if (!r.accepted && r.candidate != report.tuning.start)
-    gains = "start and what was not taken\n" + gains;
+    gains = "start and rejected result\n" + gains;
   std::string text = section("gains", gains);
   text += section("missions", missions_text(report));
   if (!report.widened.empty()) {
     std::vector<std::string> lines;
     for (const TunedLimit& one : report.widened)
-      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, in_words(one.limit)));
+      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, describe(one.limit)));
     text += section("widened", fmt::format("{}", internal::joined(lines, "\n")));
   }
   text += section("margins", margins_text(report));
@@ -492,13 +494,13 @@ std::string to_text(const Report& report) {
   if (!r.binding.empty())
     text += section("binding", fmt::format("{}", internal::joined(binding_words(r), "\n")));
   if (!r.broken.empty())
-    text += section("broken", fmt::format("{}", internal::joined(r.broken, "\n")));
+    text += section("violated", fmt::format("{}", internal::joined(r.broken, "\n")));
   return text + section("verdict",
                         fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
-                                    r.accepted ? "better" : "the start stays", r.reason,
-                                    r.broken.empty()
-                                        ? ""
-                                        : fmt::format("breaks {} of the limits\n", r.broken.size()),
+                                    r.accepted ? "better" : "the start is kept", r.reason,
+                                    r.broken.empty() ? ""
+                                                     : fmt::format("violates {} of the limits\n",
+                                                                   r.broken.size()),
                                     r.evaluations, r.seconds, to_string(r.end)));
 }
 
@@ -566,14 +568,14 @@ GainsPage page_of(const Report& report, const std::vector<TunedFlights>& flights
                     report.request.measure == RobustMeasure::quantile ? measure_of(report) : "mean",
                     r.proof_before.costs.size(), std::abs(r.less), r.less < 0 ? "more" : "less",
                     r.less < 0 ? -r.less_high : r.less_low, r.less < 0 ? -r.less_low : r.less_high);
-  if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
-  if (r.repaired) page.reasons.push_back("It keeps all limits, as the start does not.");
+  if (!r.accepted) page.reasons.push_back("The start is kept: " + r.reason + ".");
+  if (r.repaired) page.reasons.push_back("It meets all limits; the start does not.");
   if (!r.binding.empty())
     page.reasons.push_back(
-        fmt::format("What binds: {}.", internal::joined(binding_words(r), "; ")));
+        fmt::format("Binding limits: {}.", internal::joined(binding_words(r), "; ")));
   if (!r.broken.empty())
     page.reasons.push_back(
-        fmt::format("Broken all the same: {}.", internal::joined(r.broken, ", ")));
+        fmt::format("Violated nevertheless: {}.", internal::joined(r.broken, ", ")));
   page.columns = {"start", found_word(report)};
   if (report.tuning.rival) page.columns.push_back(report.tuning.rival->name);
   page.tables = {missions_table(report), margins_table(report)};
@@ -587,7 +589,7 @@ GainsPage page_of(const Report& report, const std::vector<TunedFlights>& flights
       cost.push_back(fmt::format("{:g} \u00d7 {}", term.weight, label_of(term.metric)));
   page.about = {
       {"start", report.tuning.law},
-      {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
+      {"cost", fmt::format("{}; each relative to that of the start, mission by mission",
                            internal::joined(cost, " + "))},
       {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
       {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations, r.seconds,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What tuning over missions found: as text, as JSON, as a page.
+/// The result of tuning over missions as text, JSON and page.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ namespace quadtune::report {
 [[nodiscard]] std::string to_text(const MissionTuningResult& result);
 
 /// The page.
-/// @param flights  of tuned_flights(); one chart for each mission
+/// @param flights  result of tuned_flights(); one chart for each mission
 [[nodiscard]] GainsPage page_of(const MissionTuningResult& result,
                                 const std::vector<TunedFlights>& flights);
 

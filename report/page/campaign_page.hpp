@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A campaign of many flights as one web page that needs nothing else: how many succeed, how their
-/// figures are spread, what they depend on, which to look at.
+/// A campaign of many flights as one self-contained web page: success rates, distributions of the
+/// metrics, what they depend on, and the worst flights.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace quadtune::report {
 
-/// One figure of one case. What is not finite is shown as "never" (infinite) or a dash.
+/// The distribution of one metric in one case. An infinite value is shown as "never", NaN as a
+/// dash.
 struct PageSpread {
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string label = {};
@@ -21,15 +22,15 @@ struct PageSpread {
   double p05 = kNaN, median = kNaN, p95 = kNaN, p99 = kNaN, limit = kNaN;
 };
 
-/// How the figures of one case go with what was drawn.
+/// Correlations of the metrics of one case with the drawn parameters.
 struct PageTrends {
   std::vector<std::string> figures = {};     ///< columns
   std::vector<std::string> quantities = {};  ///< rows
-  /// Rank correlations, row by row; NaN where there is none, or none that is surely there.
+  /// Rank correlations, row by row; NaN if undefined or not significant.
   std::vector<std::vector<double>> values = {};
 };
 
-/// A flight to look at.
+/// A flight worth inspecting.
 struct PageWorst {
   std::string why = {};
   std::string command = {};
@@ -39,38 +40,41 @@ struct PageCase {
   std::string design = {}, mission = {};
   std::string law = {};
   std::uint64_t flights = 0, passed = 0;
-  double rate = 0, low = 0, high = 0;                            ///< of success, 0 … 1
-  std::vector<std::pair<std::string, std::uint64_t>> ends = {};  ///< how flights ended
+  double rate = 0, low = 0, high = 0;                            ///< success rate with its
+                                                                 ///< interval, 0 … 1
+  std::vector<std::pair<std::string, std::uint64_t>> ends = {};  ///< how many flights ended in
+                                                                 ///< which way
   std::vector<PageSpread> metrics = {};
   PageTrends trends = {};
   std::vector<PageWorst> worst = {};
 };
 
-/// The share of flights below a value, a curve a design.
+/// The cumulative distribution of a metric, one curve for each design.
 struct PageDistribution {
   std::string label = {}, mission = {}, unit = {};
   double limit = std::numeric_limits<double>::quiet_NaN();
   struct Curve {
     std::string design = {};
-    std::vector<double> x = {};  ///< increasing; share reached · i / (size - 1) is below x[i]
-    double reached = 1;          ///< share of the flights for which it is finite
+    std::vector<double> x = {};  ///< increasing; the share reached · i / (size - 1) of the flights
+                                 ///< is below x[i]
+    double reached = 1;          ///< share of the flights whose metric is finite
   };
   std::vector<Curve> curves = {};
 };
 
-/// One design less another on the same draws.
+/// The difference of two designs on the same draws.
 struct PageComparison {
   std::string title = {};   ///< e.g. "published less designed in hover"
   std::string passes = {};  ///< a sentence
   struct Difference {
     std::string label = {}, unit = {};
     double mean = 0, low = 0, high = 0;
-    std::uint64_t draws = 0;  ///< in which both have the figure
+    std::uint64_t draws = 0;  ///< in which the metric of both is defined
   };
   std::vector<Difference> differences = {};
 };
 
-/// All that the page tells. Any text may hold any bytes.
+/// The data of the page. Texts may contain any bytes.
 struct CampaignPage {
   std::string title = {};
   std::vector<std::pair<std::string, std::string>> about = {};
@@ -81,7 +85,7 @@ struct CampaignPage {
   std::string seed = {};
 };
 
-/// The page as one HTML file, as safe as a flight's.
+/// The page as one HTML file, with the same protection as html(const FlightReport&).
 [[nodiscard]] std::string html(const CampaignPage& page);
 
 }  // namespace quadtune::report

@@ -11,28 +11,26 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// What stands for the rows begin … end - 1 of a column; `end` is a row, too.
+/// The two values that represent the rows begin … end - 1 of a column; `end` is also a valid row.
 std::pair<double, double> two_for(const std::vector<double>& values, std::size_t begin,
                                   std::size_t end) {
   const std::size_t middle = begin + (end - begin) / 2;
-  std::size_t least = end;
-  std::size_t greatest = end;
+  std::size_t min = end;
+  std::size_t max = end;
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (!std::isfinite(values[i])) continue;
     ++count;
-    if (least == end || values[i] < values[least]) least = i;
-    if (greatest == end || values[i] > values[greatest]) greatest = i;
+    if (min == end || values[i] < values[min]) min = i;
+    if (max == end || values[i] > values[max]) max = i;
   }
   if (count == 0) return {kNaN, kNaN};
-  if (count == 1)
-    return least < middle ? std::pair(values[least], kNaN) : std::pair(kNaN, values[least]);
+  if (count == 1) return min < middle ? std::pair(values[min], kNaN) : std::pair(kNaN, values[min]);
   const double a = values[begin], b = values[middle], c = values[end];
   const bool shown = std::isfinite(a) && std::isfinite(b) && std::isfinite(c) &&
-                     values[least] >= std::min({a, b, c}) &&
-                     values[greatest] <= std::max({a, b, c});
+                     values[min] >= std::min({a, b, c}) && values[max] <= std::max({a, b, c});
   if (shown) return {a, b};
-  return {values[std::min(least, greatest)], values[std::max(least, greatest)]};
+  return {values[std::min(min, max)], values[std::max(min, max)]};
 }
 
 }  // namespace
@@ -48,7 +46,7 @@ Decimated decimate(const std::vector<double>& time,
   }
   const std::size_t buckets = (rows - 2) / 2;
   const std::size_t inner = n - 2;  // rows between the first and the last
-  // The bucket k holds the rows first(k) … first(k + 1) - 1, two at least as n > rows.
+  // Bucket k contains the rows first(k) … first(k + 1) - 1, at least two because n > rows.
   const auto first = [&](std::size_t k) { return 1 + k * inner / buckets; };
   result.time.push_back(time.front());
   for (std::size_t k = 0; k < buckets; ++k) {

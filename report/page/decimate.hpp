@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Makes long records short enough for a page, without losing the peaks.
+/// Reduces long series to a size that suits a page, without losing peaks.
 #pragma once
 
 #include <cstddef>
@@ -7,20 +7,21 @@
 
 namespace quadtune::report {
 
-/// A record to draw: the columns have as many rows as `time`.
+/// A reduced series: the columns have as many rows as `time`.
 struct Decimated {
   std::vector<double> time;                 ///< increasing
-  std::vector<std::vector<double>> values;  ///< column by column; NaN where there is none
+  std::vector<std::vector<double>> values;  ///< column by column; NaN if there is no value
 };
 
-/// Keeps at most `rows` rows of a record. A record of no more rows comes back as it is.
+/// Keeps at most `rows` rows of a series. A series that is not longer is returned unchanged.
 ///
-/// Otherwise the first and the last row stay, and the rows between are dealt into buckets of equal
-/// count, two rows each: a column's values at the bucket's start and middle. Where the bucket goes
-/// beyond what a line through these would show, they are its least and its greatest value instead,
-/// in the order in which they came. So what is smooth stays exact, no peak is lost, and none is
-/// moved by more than a bucket. What is not finite counts as no value: a bucket with one value
-/// keeps that and a NaN, a bucket without is a gap. A gap shorter than a bucket is lost.
+/// Otherwise the first and the last row are kept, and the rows between are divided into buckets of
+/// equal size. Each bucket gives two rows: the column's values at the start and the middle of the
+/// bucket. If the bucket contains values outside the range of the line through these points, its
+/// minimum and its maximum are kept instead, in their original order. Hence smooth parts stay
+/// exact, no peak is lost, and no peak moves by more than a bucket. Values that are not finite
+/// count as missing: a bucket with one value keeps it and a NaN, a bucket without values becomes a
+/// gap. A gap shorter than a bucket is lost.
 ///
 /// @param time     increasing
 /// @param columns  each as long as `time`; not null
@@ -29,10 +30,10 @@ struct Decimated {
                                  const std::vector<const std::vector<double>*>& columns,
                                  std::size_t rows);
 
-/// The indices of at most `rows` rows, evenly spread, the first and the last among them: for
-/// quantities that only mean something together, such as an attitude.
+/// The indices of at most `rows` rows, evenly spaced and including the first and the last. For
+/// quantities whose components are meaningful only together, such as an attitude.
 ///
-/// @param size  of the record
+/// @param size  of the series
 /// @param rows  2 or more
 [[nodiscard]] std::vector<std::size_t> spread_rows(std::size_t size, std::size_t rows);
 

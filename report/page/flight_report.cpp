@@ -23,7 +23,7 @@ constexpr std::size_t kReplayRows = 3000;
 
 constexpr const char* kWhere = "flight report";
 
-/// A number for a person. JSON has no other way to say inf and nan either.
+/// A number as text. JSON has no other representation of infinity and NaN.
 std::string number_text(double value) {
   if (std::isnan(value)) return "not a number";
   if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
@@ -32,15 +32,16 @@ std::string number_text(double value) {
 
 void check(const FlightReport& report) {
   if (report.replay && report.replay->attitude.size() != 3 && report.replay->attitude.size() != 4)
-    throw InvalidInput(kWhere,
-                       fmt::format("attitude of {} columns, expected 3 angles or a quaternion of 4",
-                                   report.replay->attitude.size()));
+    throw InvalidInput(
+        kWhere, fmt::format("the attitude has {} columns, expected 3 angles or a quaternion of 4",
+                            report.replay->attitude.size()));
   for (const GainTable& table : report.gains)
     if (table.values.rows() != static_cast<Eigen::Index>(table.rows.size()) ||
         table.values.cols() != static_cast<Eigen::Index>(table.columns.size()))
-      throw InvalidInput(kWhere, fmt::format("table '{}' is {}x{}, expected {}x{} as it has names",
-                                             table.title, table.values.rows(), table.values.cols(),
-                                             table.rows.size(), table.columns.size()));
+      throw InvalidInput(
+          kWhere, fmt::format("table '{}' is {}x{}, expected {}x{} to match its names", table.title,
+                              table.values.rows(), table.values.cols(), table.rows.size(),
+                              table.columns.size()));
 }
 
 json metrics_json(const std::vector<ReportMetric>& metrics) {
@@ -54,7 +55,7 @@ json metrics_json(const std::vector<ReportMetric>& metrics) {
     if (metric.limit) {
       item["limit"] = *metric.limit;
       item["limit_text"] = number_text(*metric.limit);
-      item["limit_is_least"] = metric.limit_is_least;
+      item["limit_is_least"] = metric.limit_is_minimum;
       item["ok"] = metric.ok;
     }
     list.push_back(std::move(item));
@@ -62,7 +63,7 @@ json metrics_json(const std::vector<ReportMetric>& metrics) {
   return list;
 }
 
-/// Body to world, of the sequence yaw, pitch, roll.
+/// The rotation from body to world of the sequence yaw, pitch, roll.
 Eigen::Vector4d quaternion_wxyz(double roll, double pitch, double yaw) {
   const double cr = std::cos(roll / 2), sr = std::sin(roll / 2);
   const double cp = std::cos(pitch / 2), sp = std::sin(pitch / 2);
@@ -85,7 +86,7 @@ std::array<std::vector<double>, 4> attitudes(const LogTable& log,
       q = quaternion_wxyz((*columns[0])[row], (*columns[1])[row], (*columns[2])[row]);
     } else {
       for (Eigen::Index i = 0; i < 4; ++i) q(i) = (*columns[static_cast<std::size_t>(i)])[row];
-      q /= q.norm();  // what has no direction becomes NaN, which is not drawn
+      q /= q.norm();  // a zero quaternion becomes NaN, which is not drawn
     }
     for (std::size_t i = 0; i < 4; ++i) result[i].push_back(q(static_cast<Eigen::Index>(i)));
   }

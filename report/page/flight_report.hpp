@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A flight as one web page that needs nothing else: verdict, metrics, a replay in space, plots
-/// over time, gains and margins.
+/// A flight as one self-contained web page: verdict, metrics, a replay in space, plots over time,
+/// gains and margins.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,37 +16,40 @@
 
 namespace quadtune::report {
 
-/// One number that tells how good the flight was.
+/// A metric of the flight.
 struct ReportMetric {
   std::string name = {};   ///< one word, as in JSON, e.g. "position_rms"
   std::string label = {};  ///< for a person, e.g. "position error, rms"; empty to show the name
-  double value = std::numeric_limits<double>::quiet_NaN();  ///< [unit]; what is not finite is said
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< [unit]; a value that is not finite
+                                                            ///< is shown in words
   std::string unit = {};                                    ///< empty or "1" for none
   std::optional<double> limit = {};                         ///< [unit]
-  bool limit_is_least = false;  ///< the value shall be at least the limit; else at most
-  bool ok = true;               ///< the limit is kept; of no meaning without one
+  bool limit_is_minimum = false;  ///< whether the limit is a minimum; else a maximum
+  bool ok = true;                 ///< whether the limit is met; meaningless without a limit
 };
 
 struct ReportRotor {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< body forward-right-down [m]
   int spin = 1;  ///< +1 clockwise seen from above, that is about body +z; -1 the other
-  std::string speed_column = {};  ///< its speed, in any unit of which 0 is standing; empty for none
+  std::string speed_column = {};  ///< its speed, in any unit in which 0 means at rest; empty for
+                                  ///< none
 };
 
-/// What the replay in space shows. Columns are names of the log.
+/// What the replay in space shows. Columns are given by their names in the log.
 struct ReportReplay {
-  /// World north, east, down [m]; the ground is at down = 0.
+  /// World coordinates north, east, down [m]; the ground is at down = 0.
   std::array<std::string, 3> position = {};
-  /// Roll, pitch, yaw [rad], or a quaternion w, x, y, z that takes body to world components.
+  /// Roll, pitch, yaw [rad], or a quaternion w, x, y, z that transforms body to world components.
   std::vector<std::string> attitude = {};
   std::optional<std::array<std::string, 3>> reference = {};  ///< as position
   std::optional<std::array<std::string, 3>> estimate = {};   ///< as position
   std::vector<ReportRotor> rotors = {};
-  double arm = 0;           ///< from the centre to a rotor [m]; 0: the farthest rotor's
-  double rotor_radius = 0;  ///< [m]; 0: as large as goes without overlap, for the picture alone
+  double arm = 0;           ///< distance from the centre to a rotor [m]; 0: that of the farthest
+                            ///< rotor
+  double rotor_radius = 0;  ///< [m]; 0: the largest radius without overlap, for the picture only
 };
 
-/// A matrix with names.
+/// A matrix with names of its rows and columns.
 struct GainTable {
   std::string title = {};
   std::vector<std::string> rows = {}, columns = {};
@@ -65,32 +68,33 @@ struct MarginRow {
   std::vector<MarginValue> values = {};
 };
 
-/// All that a report tells. Any text may hold any bytes.
+/// The data of a report. Texts may contain any bytes.
 struct FlightReport {
   std::string title = {};
   ReportVerdict verdict = ReportVerdict::none;
-  std::vector<std::string> reasons = {};  ///< why, a sentence each
+  std::vector<std::string> reasons = {};  ///< reasons of the verdict, one sentence each
   std::vector<ReportMetric> metrics = {};
-  /// Its `about` says what was flown. Of its columns only those that are asked for are shown.
+  /// Its `about` describes the flight. Only the columns that plots and replay name are shown.
   LogTable log = {};
   std::vector<ReportPlot> plots = {};
   std::optional<ReportReplay> replay = {};
   std::vector<GainTable> gains = {};
   std::vector<MarginRow> margins = {};
-  std::string command = {};  ///< the command line that made it; empty for none
+  std::string command = {};  ///< the command line that produced it; empty for none
   std::string version = {};  ///< of the program
   std::string seed = {};     ///< empty for none
 };
 
-/// The report as one HTML file. It loads nothing: a content security policy in it allows its own
-/// scripts and style alone, by their hashes. No text of the report can become markup or a script.
+/// The report as one HTML file. It loads nothing: its content security policy allows only its own
+/// scripts and style, by their hashes. No text of the report can become markup or a script.
 ///
-/// Plots get at most 4000 rows of each column (fewer where there are more than 80 columns), by
-/// decimate(); the replay gets at most 3000 rows as they were recorded. Values are 32-bit floats.
+/// Plots contain at most 4000 rows of each column (fewer for more than 80 columns), reduced by
+/// decimate(); the replay contains at most 3000 of the recorded rows. Values are stored as 32-bit
+/// floats.
 ///
-/// @throws InvalidInput  for a column that the log does not have or that has another number of
-///                       rows, a time that does not increase, an attitude of neither 3 nor 4
-///                       columns, or a table whose names do not fit its matrix
+/// @throws InvalidInput  if a column is missing in the log or has another number of rows, a time
+///                       does not increase, an attitude has neither 3 nor 4 columns, or the names
+///                       of a table do not match its matrix
 [[nodiscard]] std::string html(const FlightReport& report);
 
 }  // namespace quadtune::report

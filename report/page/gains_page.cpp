@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// JSON has no infinity: "never" is what was not reached.
+/// JSON has no infinity: a value that was not reached becomes "never".
 json shown_gain(double x) { return std::isinf(x) ? json("never") : json(x); }
 
 json table_json(const PageComparedTable& table) {

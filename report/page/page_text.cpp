@@ -55,7 +55,7 @@ std::string script_json(const nlohmann::json& value) {
   const std::string text = internal::dump_json(value, /*ascii=*/true);
   std::string result;
   result.reserve(text.size());
-  // These three stand in strings only, where their escapes mean the same.
+  // These three characters occur only in strings, where their escapes are equivalent.
   for (const char c : text) {
     if (c == '<')
       result += "\\u003c";

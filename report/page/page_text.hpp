@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Text that goes into a web page and must not break out of its place.
+/// Encoding of texts and numbers for a web page, such that they cannot be interpreted as markup.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -10,25 +10,27 @@
 
 namespace quadtune::report {
 
-/// Text as the content of an HTML element: `&`, `<`, `>` and quotes as references, control
-/// characters as U+FFFD, bytes that are not UTF-8 as \xff.
+/// Escapes text for the content of an HTML element: `&`, `<`, `>` and quotes become references,
+/// control characters become U+FFFD, and bytes that are not UTF-8 become \xff.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-/// JSON as the content of a `<script>` element: ASCII only, no `<`, `>` or `&`, so that neither
-/// `</script>` nor `<!--` can stand in it. Otherwise as internal::dump_json(); what is not finite
-/// is null.
+/// Serializes JSON for the content of a `<script>` element: ASCII only, without `<`, `>` and `&`,
+/// so that it cannot contain `</script>` or `<!--`. Otherwise as internal::dump_json(); values that
+/// are not finite become null.
 [[nodiscard]] std::string script_json(const nlohmann::json& value);
 
-/// Bytes in base64 with padding.
+/// Encodes bytes in base64 with padding.
 [[nodiscard]] std::string base64(std::span<const unsigned char> bytes);
 
-/// Numbers as 32-bit floats, little-endian, in base64. What no such float can hold becomes NaN.
+/// Encodes numbers as 32-bit floats, little-endian, in base64. A number beyond the range of a float
+/// becomes NaN.
 [[nodiscard]] std::string float32_base64(const std::vector<double>& values);
 
-/// Numbers as 64-bit floats, little-endian, in base64.
+/// Encodes numbers as 64-bit floats, little-endian, in base64.
 [[nodiscard]] std::string float64_base64(const std::vector<double>& values);
 
-/// What a content security policy calls an inline script or style: 'sha256-…', quotes included.
+/// The source expression of an inline script or style in a content security policy: 'sha256-…',
+/// with the quotes.
 [[nodiscard]] std::string policy_hash(const std::string& text);
 
 }  // namespace quadtune::report

@@ -18,7 +18,7 @@ std::string asset(std::string_view name) {
   throw std::logic_error(fmt::format("report: no asset {}", name));
 }
 
-/// The template with each {{name}} replaced. What is put in is not looked at again.
+/// The template with each {{name}} replaced. Inserted text is not searched again.
 std::string filled(std::string_view page,
                    const std::vector<std::pair<std::string, std::string>>& parts) {
   std::string result;

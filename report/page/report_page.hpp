@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The page around a report's data: one HTML file that loads nothing.
+/// The HTML file around the data of a report. It loads nothing.
 #pragma once
 
 #include <string>
@@ -14,16 +14,16 @@ enum class ReportVerdict { none, pass, fail };
 /// "pass", "fail" or "none", as the page's scripts read it.
 [[nodiscard]] std::string verdict_text(ReportVerdict verdict);
 
-/// Parts of a page, by their names below page/assets.
+/// The parts of a page, by their names below page/assets.
 struct ReportPage {
   std::string title = {};  ///< any bytes
-  /// Scripts of others with their licences.
+  /// Third-party scripts and their licences.
   std::vector<std::pair<std::string_view, std::string_view>> libraries = {};
-  std::vector<std::string_view> scripts = {};  ///< run as one, in this order
-  std::string data = {};                       ///< as script_json() gives it
+  std::vector<std::string_view> scripts = {};  ///< concatenated in this order
+  std::string data = {};                       ///< the result of script_json()
 };
 
-/// The file's bytes. A content security policy in it allows its own scripts and style alone, by
+/// The bytes of the file. Its content security policy allows only its own scripts and style, by
 /// their hashes.
 [[nodiscard]] std::string page_html(const ReportPage& page);
 

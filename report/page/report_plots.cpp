@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kPlotRows = 4000;
-constexpr std::size_t kLeastPlotRows = 200;
+constexpr std::size_t kMinPlotRows = 200;
 constexpr std::size_t kPlotCells = 80 * kPlotRows;  // 1.7 MB in base64
 
 constexpr const char* kReport = "report";
@@ -42,23 +42,23 @@ std::string style_text(SeriesStyle style) {
 void check_log(const LogTable& log) {
   for (const LogColumn& c : log.columns)
     if (c.values.size() != log.rows())
-      throw InvalidInput(kReport, fmt::format("column '{}' has {} rows, expected {} as the time",
+      throw InvalidInput(kReport, fmt::format("column '{}' has {} rows, expected {} like the time",
                                               c.name, c.values.size(), log.rows()));
   if (log.columns.empty()) return;
   const std::vector<double>& time = log.columns.front().values;
   for (std::size_t i = 0; i < time.size(); ++i)
     if (!std::isfinite(time[i]) || (i > 0 && time[i] <= time[i - 1]))
-      throw InvalidInput(kReport, fmt::format("time {} in row {}, expected finite numbers that "
-                                              "increase, because plots are over it",
-                                              time[i], i));
+      throw InvalidInput(
+          kReport, fmt::format("the time is {} in row {}, expected finite and increasing times",
+                               time[i], i));
 }
 
-/// The columns that are shown, each once.
+/// The columns that are shown, without duplicates.
 class ShownColumns {
  public:
   explicit ShownColumns(const LogTable& log) : log_(log) {}
 
-  /// The place of a column among them.
+  /// The index of a column among them.
   std::ptrdiff_t place(const std::string& name) {
     const std::vector<double>* values = &report_column(log_, name).values;
     const auto at = std::find(columns_.begin(), columns_.end(), values);
@@ -87,8 +87,9 @@ json series_json(const ReportSeries& series, ShownColumns& columns) {
 const LogColumn& report_column(const LogTable& log, const std::string& name) {
   const LogColumn* found = log.find(name);
   if (!found)
-    throw InvalidInput(kReport, fmt::format("column '{}', expected one of the log's {} columns",
-                                            name, log.columns.size()));
+    throw InvalidInput(
+        kReport, fmt::format("unknown column '{}', expected one of the {} columns of the log", name,
+                             log.columns.size()));
   return *found;
 }
 
@@ -108,7 +109,7 @@ json plots_json(const LogTable& log, const std::vector<ReportPlot>& plots) {
   }
   const std::size_t shown = columns.all().size();
   if (shown == 0 || log.rows() == 0) return {{"plots", json::array()}, {"rows", log.rows()}};
-  const std::size_t rows = std::clamp(kPlotCells / shown, kLeastPlotRows, kPlotRows);
+  const std::size_t rows = std::clamp(kPlotCells / shown, kMinPlotRows, kPlotRows);
   const Decimated kept = decimate(log.columns.front().values, columns.all(), rows);
   json data = json::array();
   for (const std::vector<double>& values : kept.values) data.push_back(float32_base64(values));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Plots over one time, as a report's page draws them: what to draw, and its data.
+/// Plots over a common time for the pages of reports: their definition and their data.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,40 +11,41 @@
 namespace quadtune::report {
 
 enum class SeriesStyle {
-  value,        ///< what happened: a full line
-  reference,    ///< what was wanted: dashes
-  estimate,     ///< what the vehicle believed: a thin line
-  measurement,  ///< what a sensor said: dots
-  band,         ///< between two columns: an area
+  value,        ///< true value: a solid line
+  reference,    ///< set point: a dashed line
+  estimate,     ///< estimate of the vehicle: a thin line
+  measurement,  ///< measurement: dots
+  band,         ///< the area between two columns
 };
 
 /// One curve. The n-th reference and the n-th estimate of a plot belong to its n-th value.
 struct ReportSeries {
   std::string label = {};
-  std::string column = {};  ///< a name of the log
+  std::string column = {};  ///< name of a column of the log
   SeriesStyle style = SeriesStyle::value;
-  std::string upper = {};  ///< of a band: the column of its upper edge; its lower is `column`
-  bool shown = true;       ///< at first; its key shows or hides it
+  std::string upper = {};  ///< column of the upper edge of a band; the lower edge is `column`
+  bool shown = true;       ///< whether it is shown initially; the legend toggles it
 };
 
-/// Curves over one axis of time and one of values.
+/// Curves with a common time axis and a common value axis.
 struct ReportPlot {
   std::string title = {};
-  std::string unit = {};  ///< of what is drawn; empty or "1" for none
+  std::string unit = {};  ///< unit of the drawn values; empty or "1" for none
   std::vector<ReportSeries> series = {};
-  double factor = 1;         ///< the columns are multiplied by it, e.g. 180/pi to show rad in "deg"
-  bool logarithmic = false;  ///< the axis of values; what is not positive is not drawn
+  double factor = 1;         ///< factor of the columns, e.g. 180/pi to show rad in "deg"
+  bool logarithmic = false;  ///< whether the value axis is; values that are not positive are
+                             ///< omitted
 };
 
-/// The log's column of that name.
-/// @throws InvalidInput
+/// The column of the log with that name.
+/// @throws InvalidInput  if the log has no such column
 [[nodiscard]] const LogColumn& report_column(const LogTable& log, const std::string& name);
 
-/// "plots", "rows" of the log, and where there is something to draw "kept" of them, "time" and
-/// "columns": each column once, whatever number of plots show it, at most 4000 rows of each (fewer
-/// where there are more than 80), by decimate(), as 32-bit floats in base64.
-/// @throws InvalidInput  for a column that the log does not have or that has another number of
-///                       rows, or a time that does not increase
+/// "plots" and "rows", the number of rows of the log; and if there is anything to draw, "kept", the
+/// number of rows that are kept, "time" and "columns". Each column is stored once, with at most
+/// 4000 rows (fewer for more than 80 columns), reduced by decimate(), as 32-bit floats in base64.
+/// @throws InvalidInput  if a column is missing in the log or has another number of rows, or if the
+///                       time does not increase
 [[nodiscard]] nlohmann::json plots_json(const LogTable& log, const std::vector<ReportPlot>& plots);
 
 /// A list of "time", "name" and "detail".

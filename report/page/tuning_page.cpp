@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-// What is not finite becomes null, which the page shows as a dash.
+// Values that are not finite become null, which the page shows as a dash.
 
 json parameters_json(const std::vector<PageParameter>& parameters) {
   json list = json::array();

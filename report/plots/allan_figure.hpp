@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The picture of an Allan deviation: points with intervals, the fit and its noises.
+/// The picture of an Allan deviation: points with intervals, the fit and its noise components.
 #pragma once
 
 #include "quadtune/workbench/logs/allan_of_log.hpp"

@@ -12,8 +12,8 @@
 namespace quadtune::report {
 namespace {
 
-/// Of the exact response; what leaves it by far, such as the response of a method that makes the
-/// system unstable, leaves the panel.
+/// The range of the exact response. A response that leaves it by far, such as that of a method that
+/// makes the system unstable, is cut off.
 struct Range {
   double low = 0, high = 0;
 };

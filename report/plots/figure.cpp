@@ -17,7 +17,7 @@ const char* color(std::size_t i) {
   return kPalette[i % kPalette.size()];
 }
 
-/// For gnuplot: single quotes keep everything as it is but themselves.
+/// Quotes a text for gnuplot. In single quotes only the quote itself is special.
 std::string in_quotes(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -31,11 +31,11 @@ std::string terminal(PictureFormat format) {
   constexpr const char* kCommon = "size 1600,1000 noenhanced background '#ffffff'";
   if (format == PictureFormat::svg)
     return fmt::format("set terminal svg {} font 'sans-serif,18' name 'quadtune'\n", kCommon);
-  // This terminal counts in points, of which there are three to four of a pixel.
+  // This terminal uses points; a point is three to four pixels.
   return fmt::format("set terminal pngcairo {} font 'Sans,18' fontscale 0.75\n", kCommon);
 }
 
-/// An empty line below the name of the x axis keeps it clear of the legend.
+/// An empty line below the label of the x axis keeps it clear of the legend.
 std::string axis_script(char axis, const Axis& a) {
   return fmt::format(
              "{1} logscale {0}\nset format {0} '%g'\nset {0}range {2}\nset {0}tics nomirror out "
@@ -49,7 +49,7 @@ bool shows(const Axis& axis, double value) {
   return std::isfinite(value) && (!axis.logarithmic || value > 0);
 }
 
-/// The points as gnuplot's data block, with an empty line for a gap; empty without any point.
+/// The points as a data block of gnuplot, with an empty line for a gap; empty without points.
 std::string data_of(const Series& series, const Panel& panel) {
   std::string text;
   const std::size_t count = std::min(series.x.size(), series.y.size());

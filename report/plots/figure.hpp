@@ -7,47 +7,47 @@
 
 namespace quadtune::report {
 
-/// Points to draw. Those that are not finite are left out; a line has a gap there.
+/// Points to draw. Points that are not finite are omitted; a line has a gap there.
 struct Series {
-  std::string name = {};  ///< in the legend; empty to leave it out there
+  std::string name = {};  ///< name in the legend; empty: not in the legend
   std::vector<double> x = {}, y = {};
-  std::string style = {};  ///< as behind gnuplot's `with`, e.g. one of those below
+  std::string style = {};  ///< the style after gnuplot's `with`, e.g. one of those below
 };
 
-/// The style of the i-th of several curves, in colours that colour-blind people can tell apart.
+/// The style of the i-th of several curves, in colours that colour-blind readers can distinguish.
 [[nodiscard]] std::string line_style(std::size_t i, double width = 2.5);
 [[nodiscard]] std::string step_style(std::size_t i);
 [[nodiscard]] std::string cross_style(std::size_t i);
 [[nodiscard]] std::string circle_style(std::size_t i);
-/// For what is only there to compare with.
+/// For curves that serve only as a comparison.
 inline constexpr const char* kFaintStyle = "lines lw 2 dt 3 lc rgb '#8C8C8C'";
-/// For what a curve is marked with.
+/// For marks on a curve.
 inline constexpr const char* kMarkStyle = "linespoints lw 2.5 pt 7 ps 0.8 lc rgb '#000000'";
 
 struct Axis {
   std::string label = {};  ///< with its unit, e.g. "time [s]"
   bool logarithmic = false;
-  std::string range = "[*:*]";  ///< as gnuplot's xrange: * is chosen from the data
-  double tick = 0;              ///< distance of the ticks; 0: gnuplot chooses
+  std::string range = "[*:*]";  ///< in the syntax of gnuplot's xrange; * is chosen from the data
+  double tick = 0;              ///< spacing of the ticks; 0: gnuplot chooses it
 };
 
 struct Panel {
   std::string title;
   Axis x, y;
   std::vector<Series> series;
-  bool equal = false;  ///< one unit of x is as long as one of y
+  bool equal = false;  ///< whether the units of x and y have equal length
 };
 
 struct Figure {
-  std::string title;     ///< one line over all
-  std::string subtitle;  ///< another one; may be empty
+  std::string title;     ///< a line above all panels
+  std::string subtitle;  ///< a second line; may be empty
   int columns = 3;
   std::vector<Panel> panels;  ///< row by row
 };
 
 enum class PictureFormat { svg, png };
 
-/// A script for run_gnuplot(). The same figure always gives the same script.
+/// A script for run_gnuplot(). It depends only on the figure.
 [[nodiscard]] std::string gnuplot_script(const Figure& figure, PictureFormat format);
 
 }  // namespace quadtune::report

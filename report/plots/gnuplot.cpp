@@ -25,10 +25,11 @@ namespace {
   throw FileError(file, "not drawn: " + why);
 }
 
-/// Two ends that are connected; each is closed at the latest with this.
+/// Two connected ends, closed by the destructor at the latest.
 class Channel {
  public:
-  /// A socket and not a pipe: writing to a gnuplot that has ended is an error there, and no signal.
+  /// A socket and not a pipe: writing to a gnuplot that has ended is then an error and not a
+  /// signal.
   explicit Channel(const std::string& file) {
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends_.data()) != 0)
       fail(file, std::strerror(errno));
@@ -54,7 +55,7 @@ class Channel {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// gnuplot as a child process; ended at the latest with this.
+/// gnuplot as a child process, terminated by the destructor at the latest.
 class Child {
  public:
   Child(const Channel& in, const Channel& out, const Channel& err, const std::string& file) {
@@ -65,7 +66,7 @@ class Child {
     ::posix_spawn_file_actions_adddup2(&actions, in.theirs(), STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, out.theirs(), STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, err.theirs(), STDERR_FILENO);
-    sigset_t defaults;  // what this program ignores, gnuplot shall not
+    sigset_t defaults;  // gnuplot must not inherit ignored signals
     ::sigemptyset(&defaults);
     ::sigaddset(&defaults, SIGPIPE);
     ::sigaddset(&defaults, SIGXFSZ);
@@ -83,7 +84,7 @@ class Child {
     if (error == 0) return;
     pid_ = -1;
     if (error == ENOENT)
-      fail(file, "gnuplot is not installed, expected Debian's package gnuplot-nox or another one");
+      fail(file, "gnuplot is not installed; install it, e.g. Debian's package gnuplot-nox");
     fail(file, fmt::format("gnuplot does not start: {}", std::strerror(error)));
   }
   ~Child() {
@@ -94,7 +95,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Its status once it has ended, as waitpid() gives it.
+  /// The status of the ended process, as from waitpid().
   [[nodiscard]] int wait() {
     int status = 0;
     while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -107,7 +108,7 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// Appends what has come; closes the channel at its end.
+/// Appends the available output; closes the channel at its end.
 void receive(Channel& channel, std::string& text) {
   std::array<char, 65536> buffer;
   const ssize_t n = ::read(channel.ours(), buffer.data(), buffer.size());
@@ -117,14 +118,14 @@ void receive(Channel& channel, std::string& text) {
     channel.close_ours();
 }
 
-/// Sends what fits; closes the channel when all is sent or nobody reads any more.
+/// Sends as much as possible; closes the channel when all is sent or the reader is gone.
 void send(Channel& channel, std::string_view& left) {
   const ssize_t n = ::send(channel.ours(), left.data(), left.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   if (n > 0) left.remove_prefix(static_cast<std::size_t>(n));
   if (left.empty() || (n < 0 && errno != EINTR && errno != EAGAIN)) channel.close_ours();
 }
 
-/// The last line that says something: gnuplot shows the command and an arrow before its reason.
+/// The last line with a message: gnuplot shows the command and an arrow before its reason.
 std::string reason(const std::string& said) {
   std::string_view text = said;
   while (!text.empty()) {
@@ -155,7 +156,7 @@ std::string run_gnuplot(const std::string& script, const std::string& file,
     std::array<pollfd, 3> ready = {{{in.open() ? in.ours() : -1, POLLOUT, 0},
                                     {out.open() ? out.ours() : -1, POLLIN, 0},
                                     {err.open() ? err.ours() : -1, POLLIN, 0}}};
-    constexpr int kMilliseconds = 200;  // between two questions whether to stop
+    constexpr int kMilliseconds = 200;  // between two calls of `stop`
     if (::poll(ready.data(), ready.size(), kMilliseconds) < 0 && errno != EINTR)
       fail(file, std::strerror(errno));
     if (stop && stop()) throw Interrupted();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Runs gnuplot, which draws what the program shows as pictures.
+/// Runs gnuplot, which draws all pictures of the program.
 #pragma once
 
 #include <functional>
@@ -7,14 +7,15 @@
 
 namespace quadtune::report {
 
-/// Gives a script to gnuplot on its standard input and returns what it puts on its standard output:
-/// the picture, where the script names a terminal and no output. No shell is in between, no file is
-/// written, and no start-up file of the user is read, so that the same script gives the same bytes.
+/// Runs gnuplot with the script on its standard input and returns its standard output: the picture,
+/// if the script sets a terminal and no output. It uses no shell, writes no file and reads no
+/// start-up file of the user, so that the same script gives the same bytes.
 ///
-/// @param file  the picture's file, for the messages
-/// @param stop  asked several times a second; when it returns true, gnuplot is ended
-/// @throws FileError    "FILE: not drawn: …": gnuplot is not installed, or its reason on one line
-/// @throws Interrupted  where `stop` returned true
+/// @param file  name of the picture's file, for messages
+/// @param stop  polled several times a second; if it returns true, gnuplot is terminated
+/// @throws FileError    "FILE: not drawn: …": gnuplot is not installed, or its error message on one
+///                      line
+/// @throws Interrupted  if `stop` returned true
 [[nodiscard]] std::string run_gnuplot(const std::string& script, const std::string& file,
                                       const std::function<bool()>& stop = {});
 

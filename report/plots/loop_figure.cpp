@@ -13,10 +13,10 @@
 namespace quadtune::report {
 namespace {
 
-/// More curves than this cannot be told apart.
+/// Maximum number of curves that can be distinguished.
 constexpr std::size_t kMaxLoops = 6;
 
-/// The channels that are drawn, in their order: those of least disk margin.
+/// The channels that are drawn, in order: those with the smallest disk margins.
 std::vector<std::size_t> drawn_channels(const MarginsReport& report) {
   std::vector<std::size_t> all(report.loops.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
@@ -38,7 +38,7 @@ std::vector<LoopCurves> curves_of(const OpenLoop& loop, const MarginsReport& rep
   return curves;
 }
 
-/// All over the time that the slowest takes.
+/// All responses over the duration of the slowest one.
 std::vector<NamedResponse> responses_of(const OpenLoop& loop, const MarginsReport& report,
                                         const std::vector<std::size_t>& channels) {
   std::vector<NamedResponse> responses;
@@ -55,7 +55,7 @@ std::vector<NamedResponse> responses_of(const OpenLoop& loop, const MarginsRepor
   return responses;
 }
 
-/// A delay makes the closed loop's poles infinitely many; those of L are shown then.
+/// A delay gives the closed loop infinitely many poles; those of L are shown instead.
 Panel poles_of(const OpenLoop& loop) {
   std::vector<PointSet> sets;
   const bool open = loop.delay() > 0;
@@ -91,9 +91,9 @@ std::string summary(const MarginsReport& report, std::size_t drawn) {
 }
 
 std::string shortened(std::string text) {
-  constexpr std::size_t kMost = 110;
-  if (text.size() <= kMost) return text;
-  std::size_t end = kMost;  // not within a character
+  constexpr std::size_t kMax = 110;
+  if (text.size() <= kMax) return text;
+  std::size_t end = kMax;  // must not be within a character
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   text.resize(end);
   return text + "…";

@@ -10,13 +10,14 @@
 
 namespace quadtune::report {
 
-/// Set-point step, Bode, Nyquist with the disk, sensitivity and pole map of a loop. Of many
-/// channels those with the least disk margins.
+/// Step response to the set point, Bode plots, Nyquist plot with the disk margin, sensitivity and
+/// pole map of a loop. Of many channels, it shows those with the smallest disk margins.
 /// @param report  margins_report() of this loop
 [[nodiscard]] Figure margins_figure(const std::string& title, const OpenLoop& loop,
                                     const MarginsReport& report);
 
-/// The same of C P, with the answer to a step of load at the plant's input for the sensitivity.
+/// The same for C P, with the response to a load step at the plant's input instead of the
+/// sensitivity.
 [[nodiscard]] Figure pid_figure(const std::string& title, const ContinuousTransferFunction& plant,
                                 const PidGains& gains, const MarginsReport& report);
 

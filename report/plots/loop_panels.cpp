@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The phase crossovers whose gains are the margins: the nearest above and below.
+/// The phase crossovers that determine the gain margins: the nearest above and below.
 std::vector<PhaseCrossover> smallest_gain_margins(const LoopMargins& margins) {
   std::vector<PhaseCrossover> all;
   for (const PhaseCrossover& at : margins.phase_crossovers)
@@ -28,9 +28,10 @@ std::vector<PhaseCrossover> smallest_gain_margins(const LoopMargins& margins) {
   return all;
 }
 
-/// Where |S| or |T| peaks and where L crosses; without these, the modes of the loop [rad/s].
+/// The frequencies where |S| or |T| peaks and where L crosses 1 or -180 degrees; if there are none,
+/// the modes of the loop [rad/s].
 std::vector<double> landmarks(const OpenLoop& loop, const LoopMargins& margins) {
-  constexpr double kLevel = 1.01;  // a maximum of |S| or |T| up to this is no peak
+  constexpr double kLevel = 1.01;  // a maximum of |S| or |T| up to this value is not a peak
   std::vector<double> all;
   if (margins.Ms > kLevel) all.push_back(margins.w_Ms);
   if (margins.Mt > kLevel) all.push_back(margins.w_Mt);
@@ -46,7 +47,7 @@ std::vector<double> landmarks(const OpenLoop& loop, const LoopMargins& margins) 
   return all.empty() ? std::vector<double>{1} : all;
 }
 
-/// A decade beyond the landmarks on both sides, which are among them.
+/// The range of frequencies: a decade beyond the landmarks on both sides, landmarks included.
 std::vector<double> frequencies(const OpenLoop& loop, const LoopMargins& margins) {
   constexpr int kEven = 400;
   const std::vector<double> marks = landmarks(loop, margins);
@@ -63,8 +64,8 @@ std::vector<double> frequencies(const OpenLoop& loop, const LoopMargins& margins
   return all;
 }
 
-/// The phase at the slow end [deg]: as many quarter turns as the slope of |L| says, half a turn
-/// more of a negative gain, downwards.
+/// The phase at the lowest frequency [deg]: as many quarter turns downward as the slope of |L|
+/// indicates, and half a turn more if the gain is negative.
 double first_phase(const LoopCurves& curves) {
   const double here = degrees(std::arg(curves.L.front()));
   if (curves.w.size() < 2) return here;
@@ -80,7 +81,7 @@ void unwrap(LoopCurves& curves) {
   curves.phase = {first_phase(curves)};
   for (std::size_t i = 1; i < curves.L.size(); ++i) {
     double turn = degrees(std::arg(curves.L[i] / curves.L[i - 1]));
-    if (turn > 179) turn -= 360;  // past a pole on the axis it falls
+    if (turn > 179) turn -= 360;  // it decreases past a pole on the axis
     curves.phase.push_back(curves.phase.back() + turn);
   }
 }
@@ -92,12 +93,12 @@ const LoopCurves& worst(const std::vector<LoopCurves>& loops) {
                            });
 }
 
-/// "11.1", and "0.0" for what rounds to it from below.
+/// "11.1"; "0.0" for a negative value that rounds to zero.
 std::string tenths(double value) {
   return fmt::format("{:.1f}", std::round(10 * value) / 10 + 0.0);
 }
 
-/// " (name)" of the worst of several loops.
+/// " (name)" of the worst loop if there are several.
 std::string whose(const std::vector<LoopCurves>& loops) {
   return loops.size() > 1 ? fmt::format(" ({})", worst(loops).name) : "";
 }
@@ -108,8 +109,8 @@ std::size_t nearest(const LoopCurves& curves, double w) {
   return std::min(static_cast<std::size_t>(at - curves.w.begin()), curves.w.size() - 1);
 }
 
-/// A panel over frequency with one curve for each loop, whose name other panels state.
-template <typename Value>  // of a loop's curves at an index
+/// A panel over frequency with one curve for each loop; other panels state the names.
+template <typename Value>  // of the curves of a loop at an index
 Panel over_frequency(const std::string& title, const Axis& y, const std::vector<LoopCurves>& loops,
                      const Value& value) {
   double low = kInfinity;
@@ -138,12 +139,12 @@ Series circle(double center, double radius, const std::string& style) {
   return series;
 }
 
-/// The edge of the disk with the side on which L stays; nothing where there is no margin.
+/// The edge of the disk and the side on which L remains; nothing without a margin.
 std::vector<Series> edge_of(const ForbiddenDisk& disk) {
   constexpr const char* kEdge = "lines lw 2 lc rgb '#D55E00'";
   constexpr const char* kArea =
       "filledcurves closed fc rgb '#D55E00' fs transparent solid 0.22 border lc rgb '#D55E00'";
-  constexpr double kFar = 100;  // a larger circle is a straight line here
+  constexpr double kFar = 100;  // a larger circle is drawn as a straight line
   const double center = disk.left + (disk.right - disk.left) / 2;
   const bool outside = disk.kind == ForbiddenDisk::Kind::outside;
   if (disk.kind == ForbiddenDisk::Kind::none) return {};
@@ -183,7 +184,7 @@ LoopCurves loop_curves(const OpenLoop& loop, const LoopMargins& margins, const s
     curves.L.push_back(L);
     curves.S.push_back(loop.sensitivity(w)(0, 0));
   }
-  if (curves.w.empty()) {  // a loop that is 0: a line at the bottom
+  if (curves.w.empty()) {  // a loop that is 0 is a line at the bottom
     curves.w = {0.1, 10};
     curves.L = {1e-12, 1e-12};
     curves.S = {1, 1};
@@ -237,7 +238,7 @@ Panel magnitude_panel(const std::vector<LoopCurves>& loops) {
 }
 
 Panel phase_panel(const std::vector<LoopCurves>& loops) {
-  constexpr double kLowest = -900;  // [deg]; a delay has no end
+  constexpr double kLowest = -900;  // [deg]; the phase of a delay is unbounded
   double lowest = 0;
   for (const LoopCurves& curves : loops)
     lowest = std::min(lowest, *std::min_element(curves.phase.begin(), curves.phase.end()));
@@ -253,7 +254,7 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
   const double w = of.margins.crossover;
   if (!(w > 0)) return panel;
   const double phase = of.phase[nearest(of, w)];
-  // Down to -180 degrees, or up to it where lead is what ends the stability.
+  // Down to -180 degrees, or up to it if too much lead destabilizes the loop.
   const auto& all = of.margins.gain_crossovers;
   const auto at = std::find_if(all.begin(), all.end(),
                                [&](const GainCrossover& crossover) { return crossover.w == w; });
@@ -268,7 +269,7 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
 
 Panel sensitivity_panel(const std::vector<LoopCurves>& loops) {
   const bool one = loops.size() == 1;
-  // On the axis of stability a peak has no end.
+  // On the stability boundary the peak is unbounded.
   const Axis y{.label = one ? "|S|, |T|" : "|S|", .logarithmic = true, .range = "[0.01:2<*<1e3]"};
   Panel panel =
       over_frequency(one ? "Sensitivity S and its complement T" : "Sensitivity S", y, loops,
@@ -292,7 +293,7 @@ Panel sensitivity_panel(const std::vector<LoopCurves>& loops) {
 ForbiddenDisk forbidden_disk(const DiskMargin& disk) {
   using Kind = ForbiddenDisk::Kind;
   if (!(disk.alpha > 0)) return {};
-  if (disk.gain_low < 0)  // factors beyond a circle, 0 and all large ones among them
+  if (disk.gain_low < 0)  // factors outside a circle, which include 0 and all large ones
     return {Kind::outside, -disk.gain_low, -1 / disk.gain_low};
   if (disk.gain_low == 0) return {Kind::half_plane, -kInfinity, -1 / disk.gain_high};
   return {Kind::inside, -1 / disk.gain_low, -1 / disk.gain_high};
@@ -328,7 +329,7 @@ Panel nyquist_panel(const std::vector<LoopCurves>& loops) {
 }
 
 Panel pole_panel(const std::string& title, const std::vector<PointSet>& sets, double dt) {
-  constexpr double kNear = 0.4;  // of z = 1
+  constexpr double kNear = 0.4;  // distance from z = 1
   Panel panel{.title = title,
               .x = {.label = "real part [1/s]", .range = "[*:0<*]"},
               .y = {.label = "imaginary part [rad/s]"},

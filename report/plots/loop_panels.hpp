@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The usual pictures of a loop, one panel each.
+/// The standard plots of a loop, one panel each.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,15 +13,16 @@
 
 namespace quadtune::report {
 
-/// A loop of one channel, its margins, and its response at the frequencies that are shown.
+/// A loop of one channel, its margins, and its response at the frequencies of the plots.
 struct LoopCurves {
   std::string name;
   LoopMargins margins;
   std::vector<double> w;                ///< [rad/s], increasing, > 0
   std::vector<std::complex<double>> L;  ///< finite
   std::vector<std::complex<double>> S;
-  std::complex<double> at_rest = 0;  ///< L(0) where it is finite, otherwise the first of L
-  std::vector<double> phase;  ///< [deg] of L, unwrapped, -90 for each integrator at the slow end
+  std::complex<double> at_rest = 0;  ///< L(0) if it is finite, otherwise the first element of L
+  std::vector<double> phase;  ///< phase of L [deg], unwrapped, -90 for each integrator at the
+                              ///< lowest frequency
 };
 
 /// @param loop  of one channel
@@ -32,29 +33,30 @@ struct LoopCurves {
 struct NamedResponse {
   std::string name;
   StepResponse response;
-  double dt = 0;  ///< sample period [s] of what is held between samples; 0 of what is continuous
+  double dt = 0;  ///< sample period [s] of a response that is held between samples; 0 if continuous
 };
 
-/// Outputs over time; the unit of time follows from the duration.
+/// Outputs over time; the unit of time is chosen by the duration.
 [[nodiscard]] Panel step_panel(const std::string& title, const std::string& output,
                                const std::vector<NamedResponse>& responses);
 
-/// A faint line from the first to the last x. gnuplot refuses a plot of which no point lies within
-/// the ranges; where they contain the level, one does.
+/// Adds a faint line from the first to the last x. gnuplot rejects a plot without a point within
+/// the ranges; if the ranges contain the level, this line provides one.
 void add_level(Panel& panel, const std::vector<double>& x, double value);
 
 /// |L| [dB] with the gain margins marked, and the phase of L [deg] with the phase margin marked.
-/// Of several loops the marks are those of the one with the smallest disk margin.
+/// With several loops, the marks are those of the loop with the smallest disk margin.
 [[nodiscard]] Panel magnitude_panel(const std::vector<LoopCurves>& loops);
 [[nodiscard]] Panel phase_panel(const std::vector<LoopCurves>& loops);
 
-/// |S| with its largest value; of one loop |T| as well.
+/// |S| with its maximum; for a single loop |T| as well.
 [[nodiscard]] Panel sensitivity_panel(const std::vector<LoopCurves>& loops);
 
-/// Where L must not come: -1/f of the factors f of a disk margin.
+/// The region that L must not enter: -1/f for the factors f of a disk margin.
 struct ForbiddenDisk {
   enum class Kind { none, inside, half_plane, outside };
-  Kind kind = Kind::none;  ///< of the circle through the ends that is forbidden; left of `right`
+  Kind kind = Kind::none;  ///< which side of the circle through both ends is forbidden; left of
+                           ///< `right`
   double left = 0;         ///< ends on the real axis
   double right = 0;
 };
@@ -62,7 +64,7 @@ struct ForbiddenDisk {
 /// @param disk  symmetric (skew 0)
 [[nodiscard]] ForbiddenDisk forbidden_disk(const DiskMargin& disk);
 
-/// L(jω) with -1, the unit circle, and the disk of the worst loop.
+/// L(jω) with -1, the unit circle, and the disk of the loop with the smallest disk margin.
 [[nodiscard]] Panel nyquist_panel(const std::vector<LoopCurves>& loops);
 
 /// Points of the s-plane (dt = 0) or the z-plane.
@@ -72,7 +74,8 @@ struct PointSet {
   Eigen::VectorXcd points;
 };
 
-/// A pole map; in the z-plane with the unit circle, or the part of it that all points are near.
+/// A pole map. In the z-plane it shows the unit circle, or the part of it around z = 1 if all
+/// points are near it.
 [[nodiscard]] Panel pole_panel(const std::string& title, const std::vector<PointSet>& sets,
                                double dt);
 

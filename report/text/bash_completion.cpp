@@ -49,7 +49,7 @@ std::string without_parentheses(const std::string& text) {
 }
 
 bool is_word(const std::string& text) {
-  // What stands for any list of one's own.
+  // Placeholders for a list of the user.
   static const std::set<std::string> stand_ins = {"names", "numbers", "all"};
   return !text.empty() && !stand_ins.contains(text) &&
          text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
@@ -74,7 +74,8 @@ Words single_words(std::string text) {
 
 Words listed_words(const std::string& description) {
   const std::string text = without_parentheses(description.substr(0, description.find(';')));
-  // "of the PID: euler, …" and "ideal, or real: as the vehicle's are": the side that lists more.
+  // "integrator of the PID: euler, …" and "ideal, or real: the sensors of …": uses the side that
+  // lists more.
   const std::size_t colon = text.find(": ");
   if (colon == std::string::npos) return single_words(text);
   const Words before = single_words(text.substr(0, colon));

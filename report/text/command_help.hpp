@@ -16,26 +16,26 @@ struct OptionHelp {
 
 struct CommandHelp {
   std::string name;     ///< "tune lqr"
-  std::string usage;    ///< what follows it
+  std::string usage;    ///< what follows the name
   std::string summary;  ///< one line
   std::string example;
   std::vector<OptionHelp> options;
 };
 
 /// A line for each command.
-/// @param exit_status  what the statuses mean, here and below
+/// @param exit_status  the meaning of the exit statuses, here and below
 [[nodiscard]] std::string overview_text(const std::vector<CommandHelp>& commands,
                                         const std::string& exit_status);
-/// All commands in full.
+/// All commands with their options.
 [[nodiscard]] internal::Json overview_json(const std::vector<CommandHelp>& commands,
                                            const std::string& exit_status);
 
-/// Each command in full.
+/// Each command with its options.
 [[nodiscard]] std::string usage_text(const std::vector<CommandHelp>& commands);
-/// The object of one command, or one with all of them.
+/// The object of a single command, or one object with all of them.
 [[nodiscard]] internal::Json usage_json(const std::vector<CommandHelp>& commands);
 
-/// In the language of man(7).
+/// The man page in the format of man(7).
 [[nodiscard]] std::string man_page(const std::vector<CommandHelp>& commands,
                                    const std::string& exit_status);
 

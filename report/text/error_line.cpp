@@ -9,13 +9,13 @@
 namespace quadtune::report {
 namespace {
 
-/// `text` without its middle, at most `most` bytes.
-std::string without_middle(std::string_view text, std::size_t most) {
+/// Removes the middle of `text`, so that at most `most` bytes remain.
+std::string without_middle(std::string_view text, std::size_t max) {
   constexpr std::string_view kCut = " ... ";
-  const std::size_t kept = most - kCut.size();
+  const std::size_t kept = max - kCut.size();
   const std::string_view head = internal::whole_characters(text, kept - kept / 2);
   std::string_view tail = text.substr(text.size() - kept / 2);
-  // Not from within a character.
+  // The tail must not begin within a multibyte character.
   while (!tail.empty() && (static_cast<unsigned char>(tail[0]) & 0xc0U) == 0x80)
     tail.remove_prefix(1);
   return std::string(head).append(kCut).append(tail);
@@ -27,7 +27,7 @@ std::string error_line(const std::string& message) {
   std::string line = internal::visible_text(message);
   std::replace(line.begin(), line.end(), '\n', ' ');
   std::replace(line.begin(), line.end(), '\t', ' ');
-  return line.size() > kLongestError ? without_middle(line, kLongestError) : line;
+  return line.size() > kMaxError ? without_middle(line, kMaxError) : line;
 }
 
 }  // namespace quadtune::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An error as one line, fit for a terminal whatever names and values it repeats.
+/// An error as one line that is safe for a terminal, whatever names and values it contains.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,13 @@
 
 namespace quadtune::report {
 
-/// The longest error [bytes].
-inline constexpr std::size_t kLongestError = 500;
+/// Maximum length of an error [bytes].
+inline constexpr std::size_t kMaxError = 500;
 
-/// A message as the one line of an error: no line feeds, internal::visible_text(), and where it is
-/// longer than kLongestError its middle left out. Messages begin with the place and end with what
-/// was expected and why; what was given, which may be of any length, is between these.
+/// Converts a message to the one line of an error: without line feeds, processed by
+/// internal::visible_text(), and with its middle omitted if it is longer than kMaxError.
+/// Messages begin with the location and end with what was expected and why; the given value, which
+/// may be of any length, is between these.
 [[nodiscard]] std::string error_line(const std::string& message);
 
 }  // namespace quadtune::report

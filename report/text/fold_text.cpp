@@ -10,7 +10,7 @@
 namespace quadtune::report {
 namespace {
 
-/// A line by characters, each of which takes one column of the terminal.
+/// A line as a list of characters, each of which takes one column of the terminal.
 using Line = std::vector<std::string_view>;
 
 Line line_of(std::string_view text) {
@@ -37,7 +37,7 @@ struct FoldedColumn {
   std::size_t begin, end;
 };
 
-/// What stands between runs of two blanks or more.
+/// The text between runs of two or more blanks.
 std::vector<FoldedColumn> columns_of(const std::vector<bool>& blank) {
   std::vector<FoldedColumn> columns;
   for (std::size_t i = 0; i < blank.size(); ++i) {
@@ -62,7 +62,7 @@ std::vector<bool> common_blanks(std::vector<bool> blank, const Line& line) {
   return blank;
 }
 
-/// Where a line that goes on below itself begins again: below its text where it has a heading.
+/// The indent of continuation lines: below the text if the line has a heading.
 std::size_t hanging_indent(const Line& line, std::size_t width) {
   std::size_t start = 0;
   while (start < line.size() && is_blank(line, start)) ++start;
@@ -79,7 +79,7 @@ void append_wrapped(const Line& line, std::size_t width, std::string& text) {
   const std::size_t indent = hanging_indent(line, width);
   std::size_t begin = 0;
   for (std::size_t room = width; line.size() - begin > room; room = width - indent) {
-    // The last blank that lets the line fit, or the first behind a word that does not.
+    // Breaks at the last blank that lets the line fit, or after the first word that does not fit.
     std::size_t end = begin + room;
     const std::size_t first = begin == 0 ? indent : begin;
     while (end > first && !is_blank(line, end)) --end;
@@ -104,9 +104,9 @@ struct Table {
   std::vector<bool> blank;
 };
 
-/// The table around line `k`, not before line `least`. A line that begins at the very left among
+/// The table around line `k`, not before line `least`. A line that starts in the first column among
 /// lines that do not is the heading of a section: a table ends before it.
-Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t least) {
+Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t min) {
   Table table{k, k + 1, blanks_of(lines[k])};
   if (columns_of(table.blank).size() < 3) return table;
   const auto is_heading = [&](std::size_t i) {
@@ -116,7 +116,7 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
     if (columns_of(blanks_of(line)).size() < 3) return false;
     std::vector<bool> both = common_blanks(table.blank, line);
     const std::size_t columns = columns_of(both).size();
-    // A line of something else fills the gaps.
+    // A line that is not part of the table would fill the gaps between columns.
     if (columns < 3 || 4 * columns < 3 * columns_of(table.blank).size()) return false;
     table.blank = std::move(both);
     return true;
@@ -127,7 +127,7 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
          joins(lines[table.end]))
     ++table.end;
   const bool indented = !is_heading(table.end - 1);
-  while (table.begin > least && !(indented && is_heading(table.begin)) &&
+  while (table.begin > min && !(indented && is_heading(table.begin)) &&
          joins(lines[table.begin - 1]))
     --table.begin;
   return table;
@@ -136,7 +136,7 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
 void append_folded(const std::vector<Line>& lines, const Table& table, std::size_t width,
                    std::string& text) {
   const std::vector<FoldedColumn> columns = columns_of(table.blank);
-  // A heading stands before the first line alone.
+  // A heading is in the first line only.
   bool heading = table.end - table.begin > 1;
   for (std::size_t k = table.begin + 1; k < table.end; ++k)
     for (std::size_t i = 0; i < columns[0].end; ++i) heading = heading && is_blank(lines[k], i);

@@ -69,7 +69,7 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
   std::vector<Row> rows;
   for (Eigen::Index i = 0; i < poles.size(); ++i) {
     const std::complex<double> pole = poles(i);
-    if (pole.imag() < 0) continue;  // its conjugate stands for both
+    if (pole.imag() < 0) continue;  // one row represents both conjugates
     rows.push_back({pole, dt > 0 ? std::log(pole) / dt : pole});
   }
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
@@ -81,7 +81,7 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
         row.pole.imag() > 0 ? fmt::format("{:.6g} +- {:.6g}i", row.pole.real(), row.pole.imag())
                             : fmt::format("{:.6g}", row.pole.real());
     const double wn = std::abs(row.s);
-    if (std::isinf(wn)) {  // z = 0: over within a sample, without a frequency
+    if (std::isinf(wn)) {  // z = 0: decays within one sample, has no frequency
       cells.push_back({pole, "-", "-", "0"});
       continue;
     }

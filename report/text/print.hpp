@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How results look to a person.
+/// Formatting of results for a person.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,19 +11,20 @@
 
 namespace quadtune::report {
 
-/// A matrix with a name per row and column, entries to six digits, entries that are zero up to
-/// rounding (1e-13 of the largest in the row) as 0.
+/// A matrix with a name for each row and column. Entries have six digits; entries that are zero up
+/// to rounding (1e-13 of the largest in the row) are printed as 0.
 [[nodiscard]] std::string table(const Eigen::MatrixXd& M, const std::vector<std::string>& rows,
                                 const std::vector<std::string>& columns);
 
 /// A matrix without names, indented.
 [[nodiscard]] std::string plain(const Eigen::MatrixXd& M);
 
-/// Poles one a line with natural frequency [rad/s], damping and time constant [s]; slowest first.
+/// Poles, one per line, with natural frequency [rad/s], damping and time constant [s]; slowest
+/// first.
 /// @param dt  sample period [s] for poles of a discrete system; 0 for continuous ones.
 [[nodiscard]] std::string pole_table(const Eigen::VectorXcd& poles, double dt);
 
-/// Greatest real part (dt = 0) or modulus of the poles.
+/// The largest real part (dt = 0) or the largest modulus of the poles.
 [[nodiscard]] double stability_measure(const Eigen::VectorXcd& poles, double dt);
 
 /// "316.104", "1e-16": six significant digits.
@@ -34,12 +35,12 @@ namespace quadtune::report {
 /// The names of signals, for the rows and columns of table().
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Signal>& signals);
 
-/// A gain as decibels, and an angle in radians as degrees: how every result shows them.
+/// A gain in decibels, and an angle in degrees, as all results show them.
 [[nodiscard]] double decibels(double gain);
 [[nodiscard]] double degrees(double angle);
 
-/// Text lines, indented by 12 blanks. The first stands beside the heading, or under it if the
-/// heading is longer than that.
+/// Lines of text, indented by 12 blanks. The first line follows the heading, or is below it if the
+/// heading has 12 characters or more.
 [[nodiscard]] std::string section(const std::string& heading, const std::string& text);
 
 }  // namespace quadtune::report

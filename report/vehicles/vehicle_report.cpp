@@ -68,16 +68,16 @@ std::string barometer_text(const BarometerSensor& barometer) {
 
 std::string sonar_text(const SonarSensor& sonar) {
   return line_of("sonar", sonar.faults, 1, "m") +
-         fmt::format(", range {} ... {} m, tilt up to {} rad", number(sonar.least_range),
-                     number(sonar.greatest_range), number(sonar.greatest_tilt));
+         fmt::format(", range {} ... {} m, tilt up to {} rad", number(sonar.min_range),
+                     number(sonar.max_range), number(sonar.max_tilt));
 }
 
 std::string flow_text(const FlowSensor& flow) {
   std::string text = line_of("flow", flow.faults, 2, "rad/s");
   text += fmt::format(", half field {} {} rad, above {} m", number(flow.half_field_x),
-                      number(flow.half_field_y), number(flow.least_height));
-  if (std::isfinite(flow.greatest_height))
-    text += fmt::format(" and below {} m", number(flow.greatest_height));
+                      number(flow.half_field_y), number(flow.min_height));
+  if (std::isfinite(flow.max_height))
+    text += fmt::format(" and below {} m", number(flow.max_height));
   if (flow.noise_per_height > 0)
     text += fmt::format(", noise {} rad/s/m more with height", number(flow.noise_per_height));
   return text;
@@ -109,7 +109,7 @@ double hover_speed(const TrimResult& hover) { return hover.u(0); }
 
 Json warnings_json(const Vehicle& vehicle) {
   Json warnings = Json::array();
-  for (const Implausibility& figure : implausible(vehicle))
+  for (const Implausibility& figure : find_implausible_values(vehicle))
     warnings.push_back({{"quantity", figure.quantity},
                         {"value", figure.value},
                         {"unit", figure.unit},
@@ -230,7 +230,7 @@ std::string assumed_text(const Vehicle& vehicle) {
 
 std::string warnings_text(const Vehicle& vehicle) {
   std::string text;
-  for (const Implausibility& figure : implausible(vehicle))
+  for (const Implausibility& figure : find_implausible_values(vehicle))
     text += (text.empty() ? "" : "\n") + to_string(figure);
   return text.empty() ? "" : section("warnings", text);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A vehicle as text and as JSON: what its file says, what follows from it, and what is assumed.
+/// A vehicle as text and as JSON: the values of its file, derived values, and assumptions.
 #pragma once
 
 #include <string>
@@ -15,8 +15,8 @@ namespace quadtune::report {
 [[nodiscard]] internal::Json to_json(const Vehicle& vehicle);
 [[nodiscard]] std::string to_text(const Vehicle& vehicle);
 
-/// A vehicle that can hover, and a line for each figure that is not plausible.
-/// @param name  as it was checked
+/// The check of a vehicle that can hover: a line for each implausible value.
+/// @param name  of the vehicle, as given by the user
 [[nodiscard]] std::string to_text(const VehicleCheck& check, const std::string& name);
 
 /// One line for each vehicle: name, mass and description.

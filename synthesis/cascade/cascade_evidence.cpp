@@ -25,9 +25,9 @@ LoadStep load_step(const CascadePlant& loop) {
   step.left = std::abs(loop.C.row(0).dot(rest));
   step.peak = step.left;
   constexpr double kSettled = 1e-4;
-  constexpr double kMostSteps = 1e5;
-  const double steps = std::min(kMostSteps, std::ceil(std::log(kSettled) / std::log(radius)));
-  // z = (x, 1), z[k+1] = M z[k]: kBlock steps at once, y[k+j] = (C M^j) z[k].
+  constexpr double kMaxSteps = 1e5;
+  const double steps = std::min(kMaxSteps, std::ceil(std::log(kSettled) / std::log(radius)));
+  // With z = (x, 1), z[k+1] = M z[k], compute kBlock steps at once: y[k+j] = (C M^j) z[k].
   constexpr Index kBlock = 32;
   MatrixXd M = MatrixXd::Zero(n + 1, n + 1);
   M.topLeftCorner(n, n) = loop.A;
@@ -36,7 +36,7 @@ LoadStep load_step(const CascadePlant& loop) {
   MatrixXd rows = MatrixXd::Zero(kBlock, n + 1);
   rows.row(0).head(n) = loop.C.row(0);
   rows.row(0) = (rows.row(0) * M).eval();
-  // Doubling: rows m + 1 … 2m are the rows 1 … m times M^m.
+  // By doubling: rows m + 1 … 2m are rows 1 … m times M^m.
   for (Index m = 1; m < kBlock; m *= 2) {
     rows.middleRows(m, m) = rows.topRows(m) * M;
     M = (M * M).eval();
@@ -58,13 +58,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The plant with Kd of its rate fed back: input and outputs as before.
+/// The plant with its rate fed back by Kd; input and outputs are unchanged.
 CascadePlant with_rate_closed(CascadePlant plant, double Kd) {
   plant.A -= Kd * plant.B * plant.C.row(1);
   return plant;
 }
 
-/// Well below the slowest pole of the closed loop [rad/s].
+/// A frequency well below the slowest pole of the closed loop [rad/s].
 double slowest_of(const CascadePlant& plant, const PidGains& gains, PidMethod method) {
   double slowest = std::numbers::pi / plant.dt;
   for (const std::complex<double>& z : internal::eigenvalues(
@@ -88,7 +88,7 @@ CascadeLoopEvidence cascade_loop_evidence(const CascadePlant& plant, const PidGa
   evidence.load_integral = gains.Ki != 0 && evidence.margins.stable ? 1 / gains.Ki : kInfinity;
   const internal::LoadStep load = internal::load_step(responses.closed(gains));
   evidence.load_peak = load.peak;
-  evidence.load_left = gains.Ki != 0 && std::isfinite(load.left) ? 0 : load.left;
+  evidence.load_steady_state = gains.Ki != 0 && std::isfinite(load.left) ? 0 : load.left;
   evidence.tracking_peak = responses.tracking_peak(gains);
   evidence.value_noise = responses.value_noise(gains);
   evidence.rate_noise = std::abs(gains.Kd) * evidence.margins.Ms;

@@ -26,18 +26,17 @@ using internal::CascadeResponses;
 using internal::GainInterval;
 using internal::GainPoint;
 
-/// The greatest Ki, or the greatest Kp of a loop without integral.
+/// Maximizes Ki, or Kp of a loop without integral.
 class LoopProblem : public internal::GainProblem {
  public:
-  /// @param responses  outlive the problem
+  /// @param responses  must outlive the problem
   LoopProblem(const CascadeResponses& responses, const CascadeLoopBounds& bounds)
       : responses_(responses), bounds_(bounds) {}
 
   [[nodiscard]] PidGains gains(const GainPoint& x, double log_gain) const override {
-    const double greatest = std::exp(log_gain);
+    const double max = std::exp(log_gain);
     const double Kd = std::exp(x.log_Kd);
-    return bounds_.integral ? PidGains{std::exp(x.log_Kp), greatest, Kd, 0}
-                            : PidGains{greatest, 0, Kd, 0};
+    return bounds_.integral ? PidGains{std::exp(x.log_Kp), max, Kd, 0} : PidGains{max, 0, Kd, 0};
   }
   [[nodiscard]] const std::vector<double>& grid() const override { return responses_.grid(); }
   void forbid_on_grid(const PidGains& base, std::vector<GainInterval>& forbidden) const override {
@@ -72,18 +71,18 @@ class LoopProblem : public internal::GainProblem {
                            std::vector<GainInterval>& forbidden) const {
     if (bounds_.p_pi && bounds_.integral)
       forbidden.push_back(
-          {greatest_p_pi_integral(base.Kp, base.Kd), std::numeric_limits<double>::infinity(), w});
+          {max_p_pi_integral(base.Kp, base.Kd), std::numeric_limits<double>::infinity(), w});
   }
   void forbid_with(const PidGains& base, double w, const CascadeResponses::Point& p,
                    std::vector<GainInterval>& forbidden) const {
-    const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value's part
+    const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value feedback
     const internal::AffineResponse returned{1.0 + base.Kp * p.value + base.Kd * p.rate,
                                             value_slope * p.value};
-    const double least = std::max(1 / bounds_.Ms_max, base.Kd / bounds_.rate_noise_max);
-    internal::forbid(returned, {}, least, w, forbidden);
-    const auto bound = [&](double most, Complex through) {
-      if (std::isfinite(most))
-        internal::forbid(returned, {base.Kp * through / most, value_slope * through / most}, 0, w,
+    const double min = std::max(1 / bounds_.Ms_max, base.Kd / bounds_.rate_noise_max);
+    internal::forbid(returned, {}, min, w, forbidden);
+    const auto bound = [&](double max, Complex through) {
+      if (std::isfinite(max))
+        internal::forbid(returned, {base.Kp * through / max, value_slope * through / max}, 0, w,
                          forbidden);
     };
     bound(bounds_.value_noise_max, 1);
@@ -94,8 +93,8 @@ class LoopProblem : public internal::GainProblem {
   CascadeLoopBounds bounds_;
 };
 
-/// A scan over Kd downwards from `high_Kd`, unless it is fixed, and over value's parts that are up
-/// to eighty times slower than `fastest` [rad/s].
+/// Starting points: a scan of Kd downwards from `high_Kd`, unless it is fixed, and of value
+/// feedbacks up to eighty times slower than `fastest` [rad/s].
 std::vector<GainPoint> starts(const CascadeLoopBounds& bounds, double high_Kd, double fastest) {
   const int kd = bounds.rate_crossover > 0 ? 1 : 24;
   const int kp = bounds.integral ? 30 : 1;
@@ -112,7 +111,7 @@ void require_bounds(const CascadeLoopBounds& bounds, double dt) {
   const char* where = "cascade loop";
   const double nyquist = std::numbers::pi / dt;
   if (!(bounds.rate_crossover >= 0) || !(bounds.rate_crossover < nyquist))
-    throw InvalidInput(where, fmt::format("crossover of the rate is {} rad/s, expected more than 0 "
+    throw InvalidInput(where, fmt::format("the rate crossover is {} rad/s, expected more than 0 "
                                           "and less than pi/dt = {:.6g}",
                                           bounds.rate_crossover, nyquist));
   if (!(bounds.Ms_max > 1) || !(bounds.tracking_max > 1))
@@ -122,15 +121,17 @@ void require_bounds(const CascadeLoopBounds& bounds, double dt) {
                            bounds.Ms_max, bounds.tracking_max));
   if (!(bounds.value_noise_max > 0) || !(bounds.rate_noise_max > 0) ||
       !(bounds.rate_crossover_max > 0))
-    throw InvalidInput(where, "a bound on noise or crossover is not positive");
+    throw InvalidInput(where,
+                       "a bound on noise or crossover is not positive, expected positive bounds");
 }
 
-/// The highest frequency at which the rate's part alone may cross 1 with |S| up to Ms.
+/// Computes the maximum crossover of the rate feedback alone for which max |S| is at most Ms.
 double highest_rate_crossover(const CascadeResponses& responses, double Ms) {
   const auto keeps = [&](double w) {
     const PidGains gains{0, 0, 1 / std::abs(responses.at(w).rate), 0};
     if (!(responses.Ms(gains) <= Ms)) return false;
-    // The value is not fed back, so its integral leaves a pole at 1; all others are inside.
+    // The value, the integral of the rate, is not fed back: its pole at 1 remains. All other poles
+    // must be inside the unit circle.
     const Eigen::VectorXcd poles = internal::eigenvalues(responses.closed(gains).A);
     return (poles.cwiseAbs().array() < 1 + 1e-6).all();
   };
@@ -141,7 +142,8 @@ double highest_rate_crossover(const CascadeResponses& responses, double Ms) {
   return internal::border(keeps, *std::prev(first), *first, 1e-13).holds;
 }
 
-/// By the evidence, which looks at other frequencies than the search and by other means.
+/// Whether the evidence satisfies the bounds. It is computed by other methods and at other
+/// frequencies than in the search.
 bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& evidence) {
   constexpr double kSlack = 1 + 1e-4;
   return evidence.margins.stable && evidence.margins.Ms <= kSlack * bounds.Ms_max &&
@@ -150,7 +152,7 @@ bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& evidence) 
          evidence.rate_noise <= kSlack * bounds.rate_noise_max;
 }
 
-std::string in_words(const CascadeLoopBounds& bounds) {
+std::string describe(const CascadeLoopBounds& bounds) {
   std::string text = fmt::format("Ms <= {:.6g}", bounds.Ms_max);
   const auto add = [&](const char* name, double bound) {
     if (std::isfinite(bound)) text += fmt::format(", {} <= {:.4g}", name, bound);
@@ -167,7 +169,7 @@ std::string in_words(const CascadeLoopBounds& bounds) {
 constexpr internal::EnumName<CascadeLoopStatus> kCascadeLoopStatuses[] = {
     {CascadeLoopStatus::not_run, "not run"},
     {CascadeLoopStatus::solved, "solved"},
-    {CascadeLoopStatus::crossover_out_of_reach, "crossover out of reach"},
+    {CascadeLoopStatus::crossover_infeasible, "crossover out of reach"},
     {CascadeLoopStatus::not_found, "not found"}};
 
 std::string to_string(CascadeLoopStatus status) {
@@ -189,16 +191,16 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
       highest_rate_crossover(CascadeResponses(plant, method, 0), bounds.Ms_max);
   const bool fixed = bounds.rate_crossover > 0;
   if (fixed && bounds.rate_crossover >= design.highest_rate_crossover) {
-    design.status = CascadeLoopStatus::crossover_out_of_reach;
+    design.status = CascadeLoopStatus::crossover_infeasible;
     design.culprit = fmt::format(
-        "the rate's loop crosses 1 at {:.4g} rad/s, expected less than {:.4g} because there the "
-        "hold, the lag and the delay take max |S| of the rate alone to {:.4g}",
+        "the crossover of the rate loop is {:.4g} rad/s, expected less than {:.4g} because at that "
+        "frequency the hold, the lag and the delay raise max |S| of the rate loop alone to {:.4g}",
         bounds.rate_crossover, design.highest_rate_crossover, bounds.Ms_max);
     return design;
   }
   const double reach = std::min(bounds.rate_crossover_max, design.highest_rate_crossover);
   const double fastest = fixed ? bounds.rate_crossover : reach;
-  // Eighty times slower a value's part is looked for, and its integral is slower still.
+  // The scan covers value feedbacks up to eighty times slower, and their integrals are even slower.
   const CascadeResponses responses(plant, method, 1e-4 * fastest);
   const auto Kd_for = [&](double w) { return 1 / std::abs(responses.at(w).rate); };
   const LoopProblem problem(responses, bounds);
@@ -211,19 +213,19 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
                                        .Kd_reach = 0.2,
                                        .Kd_width = 1e-5,
                                        .log_Kd_max = std::log(high_Kd)});
-  const internal::GreatestGain greatest = search.greatest(best);
-  if (!greatest.within_bounds()) {
+  const internal::MaxGain max = search.max(best);
+  if (!max.within_bounds()) {
     design.status = CascadeLoopStatus::not_found;
-    design.culprit = "no gains were found that are stable with " + in_words(bounds);
+    design.culprit = "no stabilizing gains were found with " + describe(bounds);
     return design;
   }
-  const PidGains gains = problem.gains(best, greatest.log_gain);
+  const PidGains gains = problem.gains(best, max.log_gain);
   const CascadeLoopEvidence evidence = cascade_loop_evidence(plant, gains, method);
   if (!kept(bounds, evidence)) {
     design.status = CascadeLoopStatus::not_found;
     design.culprit = fmt::format(
-        "what was found does not hold beyond the frequencies of the search: a loop that crosses 1 "
-        "at {:.3g} rad/s is too slow for a period of {:.3g} s",
+        "the gains violate the bounds outside the frequencies of the search: a loop with the "
+        "crossover {:.3g} rad/s is too slow for a period of {:.3g} s",
         fastest, plant.dt);
     return design;
   }
@@ -234,7 +236,7 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
     if (met > 0.999 * bound) design.binding.emplace_back(name);
   };
   if (bounds.p_pi && bounds.integral)
-    note(gains.Ki, greatest_p_pi_integral(gains.Kp, gains.Kd), "structure");
+    note(gains.Ki, max_p_pi_integral(gains.Kp, gains.Kd), "structure");
   note(design.evidence.margins.Ms, bounds.Ms_max, "Ms");
   note(design.evidence.tracking_peak, bounds.tracking_max, "tracking");
   note(design.evidence.load_peak, bounds.load_peak_max, "load peak");

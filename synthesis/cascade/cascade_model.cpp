@@ -23,7 +23,7 @@ PidIntegral::PidIntegral(PidMethod method, double period)
     : dt(period), now(pid_quadrature<double>(method).now * period) {}
 
 Complex PidIntegral::at(double w) const {
-  // dt/(z - 1) + now, uncancelled: z - 1 = 2j sin(w dt/2) e^(jw dt/2).
+  // dt/(z - 1) + now without cancellation: z - 1 = 2j sin(w dt/2) e^(jw dt/2).
   const double half = 0.5 * w * dt;
   return now + dt * std::polar(1.0, -half) / Complex(0, 2 * std::sin(half));
 }
@@ -58,7 +58,7 @@ CascadePlant closed_loop(const CascadePlant& plant, const PidGains& gains, PidMe
 CascadeResponses::CascadeResponses(const CascadePlant& plant, PidMethod method, double slowest)
     : plant_(plant), response_(plant), integral_(method, plant.dt), method_(method) {
   const double nyquist = std::numbers::pi / plant.dt;
-  constexpr double kWidest = 1e8;  // below, a sampled integrator is lost in rounding
+  constexpr double kWidest = 1e8;  // below this, rounding dominates a sampled integrator
   constexpr double kNarrowest = 1e2;
   grid_ = loop_grid({.roots = {eigenvalues(plant.A)}, .dt = plant.dt},
                     nyquist / std::clamp(nyquist / slowest, kNarrowest, kWidest), nyquist);
@@ -106,13 +106,13 @@ void require_cascade_plant(const CascadePlant& plant) {
   const char* where = "cascade loop";
   validate(plant, where);
   if (plant.B.cols() != 1 || plant.C.rows() != 2)
-    throw InvalidInput(where, fmt::format("{} inputs and {} outputs, expected the command, and the "
-                                          "value with its rate",
+    throw InvalidInput(where, fmt::format("the plant has {} inputs and {} outputs, expected 1 "
+                                          "(command) and 2 (value and rate)",
                                           plant.B.cols(), plant.C.rows()));
   if (plant.D.size() > 0 && !plant.D.isZero(0))
     throw InvalidInput(where,
-                       "D is not 0, expected a value and a rate that follow the command "
-                       "later, because the loop is algebraic else");
+                       "D is not 0, expected a plant without feed-through because "
+                       "otherwise the loop is algebraic");
 }
 
 }  // namespace internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One loop of a cascade with given gains: its matrices, and its responses on a grid.
+/// One loop of a cascade with given gains: its matrices and its responses on a grid.
 #pragma once
 
 #include <complex>
@@ -10,34 +10,36 @@
 
 namespace quadtune::internal {
 
-/// The integral's response and gain at once: I[k] = s[k] + now e[k], s[k+1] = s[k] + dt e[k].
+/// The discrete integral I[k] = s[k] + now e[k], s[k+1] = s[k] + dt e[k].
 struct PidIntegral {
   double dt;
   double now;
 
   PidIntegral(PidMethod method, double period);
+  /// Frequency response.
   /// @param w  [rad/s]
   [[nodiscard]] std::complex<double> at(double w) const;
 };
 
-/// What the closed loop's input is.
+/// The input of the closed loop.
 enum class LoopInput { command, set_point };
 
-/// States of the plant and, with Ki, of the integral; outputs as the plant. The input is added to
-/// the command, or is the set point.
+/// Computes the closed loop. Its states are those of the plant and, if Ki is not 0, of the
+/// integral; its outputs are those of the plant. Its input is the set point, or is added to the
+/// command.
 [[nodiscard]] CascadePlant closed_loop(const CascadePlant& plant, const PidGains& gains,
                                        PidMethod method, LoopInput input);
 
-/// Responses of one plant on a grid, at which all gains are tried.
+/// Responses of one plant on a grid, reused for all gains.
 class CascadeResponses {
  public:
-  /// @param slowest  [rad/s] that matters; the grid begins there
+  /// @param slowest  lowest frequency of the grid [rad/s]
   CascadeResponses(const CascadePlant& plant, PidMethod method, double slowest);
 
   struct Point {
-    std::complex<double> value;     ///< of the plant
-    std::complex<double> rate;      ///< of the plant
-    std::complex<double> integral;  ///< of the controller's, per Ki
+    std::complex<double> value;     ///< plant, command to value
+    std::complex<double> rate;      ///< plant, command to rate
+    std::complex<double> integral;  ///< integral of the controller, per Ki
   };
 
   [[nodiscard]] Point at(double w) const;
@@ -63,7 +65,8 @@ class CascadeResponses {
   std::vector<Point> points_;
 };
 
-/// The greatest |value| after a unit step at the command of a closed loop, and what stays of it.
+/// The maximum |value| after a unit step at the command of a closed loop, and the steady-state
+/// value.
 struct LoadStep {
   double peak = std::numeric_limits<double>::infinity();
   double left = std::numeric_limits<double>::infinity();

@@ -25,12 +25,12 @@ using Eigen::MatrixXd;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr const char* kWhere = "pid cascade";
 
-/// Where an axis stands in ned_convention().
+/// The indices of an axis in ned_convention().
 struct AxisFacts {
   CascadeAxis axis;
-  Index value;  ///< state
-  Index rate;   ///< state
-  Index input;  ///< of the wrench; of an outer loop that of the loop inside
+  Index value;  ///< index of the state
+  Index rate;   ///< index of the state
+  Index input;  ///< component of the wrench; for an outer loop that of its inner loop
   std::optional<CascadeAxis> inside;
 };
 
@@ -43,7 +43,7 @@ constexpr std::array<AxisFacts, kCascadeAxes> kAxes = {{
     {CascadeAxis::altitude, 2, 8, 0, {}},
 }};
 
-/// From the inside out: the last two are around others, the first are not.
+/// Inner loops first; the last two are outer loops.
 constexpr std::array<CascadeAxis, kCascadeAxes> kDesignOrder = {
     CascadeAxis::roll,     CascadeAxis::pitch, CascadeAxis::yaw,
     CascadeAxis::altitude, CascadeAxis::y,     CascadeAxis::x};
@@ -61,11 +61,12 @@ void require_hover(const ContinuousLti& hover) {
   validate(hover, kWhere);
   if (hover.A.rows() != 12 || hover.B.cols() != 4)
     throw InvalidInput(kWhere, fmt::format("the model has {} states and {} inputs, expected the 12 "
-                                           "of hover and the wrench",
+                                           "states of hover and the 4 inputs of the wrench",
                                            hover.A.rows(), hover.B.cols()));
 }
 
-/// Value and rate among a model's outputs, each with the sign that makes it rise with the command.
+/// Extracts value and rate from the outputs of a model, with the sign that makes them increase with
+/// the command.
 CascadePlant as_loop(const DiscreteLti& sampled, Index value, double sign) {
   CascadePlant plant;
   plant.dt = sampled.dt;
@@ -76,7 +77,7 @@ CascadePlant as_loop(const DiscreteLti& sampled, Index value, double sign) {
   return plant;
 }
 
-/// A vehicle with its clock and sensors, taken apart into what each loop commands.
+/// A vehicle with its sampling and delays, split into the plants of the loops.
 class Hover {
  public:
   Hover(const CascadeVehicle& vehicle, const CascadeSpecification& specification)
@@ -86,21 +87,22 @@ class Hover {
     require_hover(model_);
   }
 
-  /// Which way a positive command of the loop moves its value. It is multiplied out of the plant
-  /// and into the gains.
+  /// The sign of the effect of a positive command on the value of the loop. Plants are multiplied
+  /// by it, and so are the gains.
   [[nodiscard]] double sign(CascadeAxis name) const {
     const AxisFacts& axis = facts(name);
     const double effect = axis.inside ? model_.A(axis.rate, facts(*axis.inside).value)
                                       : model_.B(axis.rate, axis.input);
     if (effect == 0)
-      throw InvalidInput(kWhere, fmt::format("{} does not move under its command, {}, expected a "
-                                             "vehicle that can be steered",
+      throw InvalidInput(kWhere, fmt::format("{} does not respond to its command, {}, expected a "
+                                             "controllable vehicle",
                                              to_string(name), cascade_loop(name).output));
-    // The altitude loop commands a force along +z, the model's input is T along -z.
+    // The altitude loop commands a force along +z, but the input of the model is T along -z.
     return (effect < 0) != (name == CascadeAxis::altitude) ? -1 : 1;
   }
 
-  /// @param inner  gains of the loop inside, in its own sign; not used by an inner loop
+  /// The plant of a loop.
+  /// @param inner  gains of its inner loop, in the sign of that loop; not used for an inner loop
   [[nodiscard]] CascadePlant plant(CascadeAxis name, const PidGains& inner) const {
     const AxisFacts& axis = facts(name);
     const DiscreteLti sampled = sampled_chain(axis);
@@ -108,7 +110,7 @@ class Hover {
     const double inner_sign = sign(*axis.inside);
     CascadePlant closed =
         closed_at_command(as_loop(sampled, 2, inner_sign), inner, specification_.method);
-    // Its set point is the inner value in its own sign; its states are the chain's first.
+    // The set point of the inner loop has its sign; the first states are those of the chain.
     closed.B *= inner_sign;
     closed.C.setZero();
     closed.C.leftCols(sampled.A.rows()) = sign(name) * sampled.C.topRows(2);
@@ -135,7 +137,7 @@ class Hover {
       }
       return discretize_zoh(written, specification_.dt);
     }
-    // What all signals share is as well a delay of the inputs, which are fewer.
+    // The delay common to all signals is equivalent to one of the inputs, which are fewer.
     const double shared = delays.minCoeff();
     return discretize_zoh(
         lagged, specification_.dt,
@@ -168,15 +170,16 @@ std::optional<PidGains> in_own_sign(const CascadeGains& gains, CascadeAxis axis,
 
 PidLoop as_written(CascadeAxis axis, const PidGains& gains, double sign) {
   PidLoop loop = cascade_loop(axis);
-  // Adding 0 turns -0 into 0.
+  // Adding 0 converts -0 to 0.
   loop.Kp = sign * gains.Kp + 0.0;
   loop.Ki = sign * gains.Ki + 0.0;
   loop.Kd = -sign * gains.Kd + 0.0;
   return loop;
 }
 
-/// Command per error that the vehicle can give where it shall, see CascadeVehicle::authority.
-double greatest_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
+/// The maximum command per error that the available authority permits; see
+/// CascadeVehicle::authority.
+double max_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
   constexpr double kTilt = 0.2;      // [rad]
   constexpr double kHeading = 0.35;  // [rad]
   constexpr double kDistance = 0.5;  // [m]
@@ -195,8 +198,8 @@ double greatest_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
   return kUnbounded;
 }
 
-/// @param gain_max   of a loop whose speed nobody says
-/// @param published  of the loop that flies today; nullptr where it is no measure
+/// @param gain_max   maximum gain of a loop whose bandwidth is not specified
+/// @param published  evidence of the published loop; nullptr if it is not used as a baseline
 CascadeLoopBounds bounds_of(const CascadeRequirement& requirement, double fastest, double gain_max,
                             const CascadeLoopEvidence* published) {
   CascadeLoopBounds bounds;
@@ -213,15 +216,15 @@ CascadeLoopBounds bounds_of(const CascadeRequirement& requirement, double fastes
   bounds.Ms_max = std::min(bounds.Ms_max, 1 + kNearer * (published->margins.Ms - 1));
   bounds.value_noise_max = published->value_noise;
   bounds.rate_noise_max = published->rate_noise;
-  // A loop that bought its stiffness with robustness is no measure of it, nor one with an integral
-  // of one without.
+  // The load response of the published loop is a bound only if that loop is robust enough, and if
+  // it has no integral or the new loop has one as well.
   const bool comparable = requirement.integral || std::isinf(published->load_integral);
   if (published->margins.Ms <= requirement.Ms_max && comparable)
     bounds.load_peak_max = published->load_peak;
   return bounds;
 }
 
-/// A loop of given gains, with their loop inside it; nothing where one of the two is missing.
+/// A loop with given gains around its inner loop with given gains.
 struct GivenLoop {
   PidGains gains;
   CascadeLoopEvidence evidence;
@@ -249,36 +252,37 @@ void add_published(const Hover& hover, const CascadeGains& published, PidMethod 
   loop.published_evidence = given->evidence;
 }
 
-/// @param inner  the loop inside; nullptr for an inner loop
+/// Designs one loop.
+/// @param inner  its inner loop; nullptr for an inner loop
 CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
                               const CascadeSpecification& specification, CascadeAxis axis,
                               const CascadeLoopDesign* inner) {
-  // The hold of a sample costs nine degrees at a twentieth of the sample rate.
+  // The zero-order hold has a phase lag of nine degrees at a twentieth of the sample rate.
   const double by_clock = 2 * std::numbers::pi / specification.dt / 20;
   constexpr double kSeparation = 3;
   CascadeAxisDesign loop;
   loop.axis = axis;
   if (vehicle.published) add_published(hover, *vehicle.published, specification.method, loop);
   const bool measured = loop.published && specification.use_published;
-  loop.bounds = bounds_of(specification.requirements[index_of(axis)],
-                          inner ? inner->evidence.bandwidth / kSeparation : by_clock,
-                          greatest_gain(axis, vehicle.authority),
-                          measured ? &loop.published_evidence : nullptr);
+  loop.bounds =
+      bounds_of(specification.requirements[index_of(axis)],
+                inner ? inner->evidence.bandwidth / kSeparation : by_clock,
+                max_gain(axis, vehicle.authority), measured ? &loop.published_evidence : nullptr);
   loop.bounds.p_pi = specification.structure == CascadeStructure::p_pi;
   loop.design = design_cascade_loop(hover.plant(axis, inner ? inner->gains : PidGains{}),
                                     loop.bounds, specification.method);
-  if (std::isinf(loop.bounds.rate_noise_max))  // not held to what is published
+  if (std::isinf(loop.bounds.rate_noise_max))  // not bounded by a published loop
     std::replace(loop.design.binding.begin(), loop.design.binding.end(), std::string("value noise"),
                  std::string("authority"));
   return loop;
 }
 
-/// Poles of all loops together.
+/// Poles of the closed loop with all axes.
 Eigen::VectorXcd poles_of(const PidCascade& cascade, PidMethod method) {
   return internal::eigenvalues(closed_loop(cascade.plant, cascade_law(cascade.gains, method)).A);
 }
 
-/// What couples the axes is in no chain.
+/// Adds a note if the model has couplings between the axes, which the chains of the loops ignore.
 void note_coupling(const ContinuousLti& hover, std::vector<std::string>& notes) {
   MatrixXd A = hover.A;
   MatrixXd B = hover.B;
@@ -291,8 +295,8 @@ void note_coupling(const ContinuousLti& hover, std::vector<std::string>& notes) 
   if (A.cwiseAbs().maxCoeff() > kCoupled * hover.A.cwiseAbs().maxCoeff() ||
       B.cwiseAbs().maxCoeff() > kCoupled * hover.B.cwiseAbs().maxCoeff())
     notes.emplace_back(
-        "the axes are coupled: each loop was designed alone, what counts are the margins and poles "
-        "of all together");
+        "the axes are coupled: each loop was designed separately; rely on the margins and poles of "
+        "the complete loop");
 }
 
 }  // namespace
@@ -335,7 +339,7 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
   cascade.plant = hover.whole();
   note_coupling(vehicle.hover, cascade.notes);
   std::array<CascadeAxisDesign, kCascadeAxes> designed;
-  // Loops that are not around one another are designed at once.
+  // Loops that are not nested are designed in parallel.
   for (const auto& [first, count] :
        {std::pair(std::size_t{0}, kInnerAxes), std::pair(kInnerAxes, kCascadeAxes - kInnerAxes)}) {
     const auto loop = [&, first = first](std::size_t i) {

@@ -21,15 +21,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What bends less is not in the way, rounding is.
+// A smaller deviation from linearity is not the obstacle; rounding is.
 constexpr double kNothing = 1e-12;
 
-/// The corners of a box, which two differ in one coordinate alone, and what bends in between.
+/// The closed loops at the corners of a box, and the bounds of the interpolation error in between.
 struct Corners {
-  std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
-  std::vector<Enclosure> values;  ///< bit b of an index: upper end of free[b]
-  std::vector<MatrixXd> bends;    ///< of the interpolation, along each of free
-  MatrixXd R;                     ///< of all together
+  std::vector<Index> free;        ///< coordinates of positive width: parameters, then `ahead`
+  std::vector<Enclosure> values;  ///< bit b of the index selects the upper end of free[b]
+  std::vector<MatrixXd> bends;    ///< interpolation error along each of free
+  MatrixXd R;                     ///< sum of the interpolation errors
 };
 
 Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
@@ -60,12 +60,12 @@ Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
   return corners;
 }
 
-/// Eigenvalues of M with eigenvectors as columns, real and imaginary part of a pair one after the
-/// other, in units in which rows and columns of M are alike.
+/// Eigenvalues of M and its eigenvectors as columns (real and imaginary part of a complex pair in
+/// consecutive columns), for M balanced so that its rows and columns have similar norms.
 struct Modes {
   Eigen::VectorXcd values;
   MatrixXd vectors;
-  VectorXd scale;  ///< of the units
+  VectorXd scale;  ///< scale factors of the balancing
   double radius = std::numeric_limits<double>::infinity();
 };
 
@@ -92,8 +92,8 @@ Modes modes_of(const MatrixXd& M) {
   return modes;
 }
 
-/// Eigenvalues nearer to one another than `share` of their distance from the unit circle, and
-/// pairs.
+/// Groups eigenvalues whose mutual distance is less than `share` of their distance from the unit
+/// circle, and complex pairs.
 std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double share) {
   const Index n = values.size();
   std::vector<std::vector<Index>> all;
@@ -102,7 +102,7 @@ std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double 
     if (taken[static_cast<std::size_t>(i)]) continue;
     taken[static_cast<std::size_t>(i)] = true;
     std::vector<Index> cluster = {i};
-    for (std::size_t k = 0; k < cluster.size(); ++k)  // grows as it is gone through
+    for (std::size_t k = 0; k < cluster.size(); ++k)  // the cluster grows inside the loop
       for (Index j = 0; j < n; ++j) {
         if (taken[static_cast<std::size_t>(j)]) continue;
         const std::complex<double> a = values(cluster[k]);
@@ -118,8 +118,9 @@ std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double 
   return all;
 }
 
-/// A basis of what a cluster's eigenvectors span, in which the loop contracts at nearly its largest
-/// eigenvalue: eigenvectors themselves where they are one or a pair, else from a Lyapunov equation.
+/// Computes a basis of the invariant subspace of a cluster in which the norm of the loop is close
+/// to its largest |eigenvalue|: the eigenvectors themselves if the cluster is a single eigenvalue
+/// or a pair, otherwise from a Lyapunov equation.
 MatrixXd cluster_basis(const MatrixXd& M, const Modes& modes, const std::vector<Index>& cluster) {
   MatrixXd vectors = modes.vectors(Eigen::all, cluster);
   if (cluster.size() == 1) return vectors;
@@ -171,18 +172,18 @@ std::vector<MatrixXd> seen_in(const Coordinates& z, const Corners& corners) {
   return seen;
 }
 
-/// How much a matrix of sizes may do in these coordinates.
+/// The norm of a nonnegative matrix of bounds in these coordinates.
 double size_in(const Coordinates& z, const MatrixXd& R) {
   return norm_bound(z.Y.cwiseAbs() * R * z.X.cwiseAbs());
 }
 
 double corner_expansion(const Coordinates& z, const Corners& corners) {
-  double most = 0;
-  for (const MatrixXd& N : seen_in(z, corners)) most = std::max(most, largest_singular_value(N));
-  return most;
+  double max = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) max = std::max(max, largest_singular_value(N));
+  return max;
 }
 
-/// The largest ‖Y M X‖₂ in the box, near enough.
+/// The maximum ‖Y M X‖₂ in the box, approximately.
 double expansion(const Coordinates& z, const Corners& corners) {
   return corner_expansion(z, corners) + size_in(z, corners.R);
 }
@@ -201,36 +202,36 @@ double inner(const Excess& a, const Excess& b) {
   return a.sigma * b.sigma * (uu * uu - uv * uv - vu * vu + vv * vv);
 }
 
-/// Those of all corners, at most kMostExcesses, the largest.
-/// @param most  the largest singular value of all
-/// @return      none where a corner is not finite
+/// Computes the excesses of all corners; the largest ones if there are more than kMaxExcesses.
+/// @param most  the largest singular value of all corners
+/// @return      none if a corner is not finite
 std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners& corners,
-                                            double target, double& most) {
-  constexpr std::size_t kMostExcesses = 256;  // an equation for each has to be solved
+                                            double target, double& max) {
+  constexpr std::size_t kMaxExcesses = 256;  // each adds one linear equation
   std::vector<Excess> all;
-  most = 0;
+  max = 0;
   for (const MatrixXd& N : seen_in(z, corners)) {
     const MatrixXd square = N.transpose() * N;
     if (!square.allFinite()) return std::nullopt;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
     for (Index k = square.rows() - 1; k >= 0; --k) {
       const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
-      most = std::max(most, sigma);
+      max = std::max(max, sigma);
       if (!(sigma > target)) break;
       const VectorXd v = eigen.eigenvectors().col(k);
       all.push_back({sigma, N * v / sigma, v});
     }
   }
-  if (all.size() > kMostExcesses) {
-    std::nth_element(all.begin(), all.begin() + kMostExcesses, all.end(),
+  if (all.size() > kMaxExcesses) {
+    std::nth_element(all.begin(), all.begin() + kMaxExcesses, all.end(),
                      [](const Excess& a, const Excess& b) { return a.sigma > b.sigma; });
-    all.resize(kMostExcesses);
+    all.resize(kMaxExcesses);
   }
   return all;
 }
 
-/// The smallest E, in the Frobenius norm, for which all of these would be the target if they were
-/// linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
+/// Computes the E with the minimum Frobenius norm for which all singular values would equal the
+/// target if they were linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
 MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
   constexpr double kDamping = 1e-3;  // of the mean of ⟨J_i, J_i⟩
   const Index count = std::ssize(excesses);
@@ -254,30 +255,29 @@ MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
   return E;
 }
 
-/// Turns and stretches the coordinates until no corner expands, by the Gauss-Newton method with a
-/// little damping on the singular values beyond a target. The target lies half way between the
-/// spectral radius of the middle, below which no coordinates lead, and what is enough for a proof.
-/// @param least  the expansion in z; of the result after
-Coordinates improved(Coordinates z, const Corners& corners, double radius, double& least) {
+/// Improves the coordinates until no corner expands, by the damped Gauss-Newton method on the
+/// singular values that exceed a target. The target is half way between the spectral radius at the
+/// midpoint, which is a lower bound in all coordinates, and the value that suffices for a proof.
+/// @param least  in: the expansion in z; out: that of the result
+Coordinates improved(Coordinates z, const Corners& corners, double radius, double& min) {
   constexpr int kSteps = 60;
-  constexpr double kLongest = 0.4;  // of a step: I + E stays regular
+  constexpr double kMax = 0.4;  // maximum step, so that I + E is regular
   Coordinates best = z;
-  for (int step = 0; step < kSteps && !(least < 1); ++step) {
+  for (int step = 0; step < kSteps && !(min < 1); ++step) {
     const double bend = size_in(z, corners.R);
     const double target = std::max(radius, 0.5 * (radius + 1 - bend));
-    double most = 0;
-    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, most);
+    double max = 0;
+    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, max);
     if (!beyond) break;
-    if (most + bend < least) {
-      least = most + bend;
+    if (max + bend < min) {
+      min = max + bend;
       best = z;
     }
-    if (least < 1 || beyond->empty()) break;
+    if (min < 1 || beyond->empty()) break;
     const MatrixXd E = step_towards(target, *beyond);
     const double size = E.norm();
     if (!(size > 0) || !std::isfinite(size)) break;
-    const MatrixXd turn =
-        MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kLongest / size) * E;
+    const MatrixXd turn = MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kMax / size) * E;
     z.Y = (turn * z.Y).eval();
     z.X = (z.X * turn.inverse()).eval();
   }
@@ -285,67 +285,70 @@ Coordinates improved(Coordinates z, const Corners& corners, double radius, doubl
 }
 
 /// Compares the coordinates of `start` with those of several groupings of the eigenvalues, and
-/// returns the ones in which the corners expand least.
-/// @param least  the expansion in the coordinates of `start`, infinite where there are none
+/// returns those with the minimum expansion of the corners.
+/// @param least  in: the expansion in the coordinates of `start`, infinite if there are none; out:
+///               that of the result
 std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
-                                  const Corners& corners, const Coordinates* start, double least) {
+                                  const Corners& corners, const Coordinates* start, double min) {
   std::optional<Coordinates> best;
   if (start != nullptr) best = *start;
   for (const double share : {0.0, 0.3, 1.0, 3.0}) {
     std::optional<Coordinates> z = along(middle, modes, share);
     if (!z) continue;
-    const double most = expansion(*z, corners);
-    if (!(most < least)) continue;
-    least = most;
+    const double max = expansion(*z, corners);
+    if (!(max < min)) continue;
+    min = max;
     best = std::move(z);
-    if (least < 1) return best;
+    if (min < 1) return best;
   }
-  if (best && std::isfinite(least)) best = improved(*best, corners, modes.radius, least);
+  if (best && std::isfinite(min)) best = improved(*best, corners, modes.radius, min);
   return best;
 }
 
-/// Along which to split. Where the corners contract it is what bends between them that is in the
-/// way; else how far apart the loops are of two corners that differ in one coordinate.
+/// Chooses the coordinate to split. If the corners contract, the obstacle is the interpolation
+/// error, and the coordinate with the largest one is split; otherwise the one along which the loops
+/// of two corners that differ only in it differ most.
 Index widest(const Coordinates& z, const Corners& corners) {
   const bool bent = corner_expansion(z, corners) < 1 && size_in(z, corners.R) > kNothing;
   const std::vector<MatrixXd> seen = seen_in(z, corners);
   Index place = -1;
-  double most = -1;
+  double max = -1;
   for (std::size_t b = 0; b < corners.free.size(); ++b) {
     double apart = 0;
     if (bent) apart = size_in(z, corners.bends[b]);
     for (std::size_t index = 0; index < seen.size() && !bent; ++index)
       if ((index >> b & 1) == 0)
         apart = std::max(apart, (seen[index | std::size_t{1} << b] - seen[index]).norm());
-    if (!(apart <= most)) {
-      most = apart;
+    if (!(apart <= max)) {
+      max = apart;
       place = corners.free[b];
     }
   }
   return place;
 }
 
-/// The proof itself: everything before may be as wrong as it likes.
+/// The rigorous proof. Its correctness does not depend on the accuracy of the preceding
+/// computations.
 void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
   const Index n = corners.R.rows();
   const Enclosure Y(z.Y);
   const Enclosure X(z.X);
-  const Enclosure G = Y * X;  // nearly I
+  const Enclosure G = Y * X;  // approximately I
   const MatrixXd off = (G - Enclosure(MatrixXd(MatrixXd::Identity(n, n)))).magnitude();
   const double g = norm_bound(off);
   if (!(g < 0.5)) return;
   const Enclosure GG = G.transpose() * G;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const Enclosure& value : corners.values) {
     const Enclosure M(value.mid, bounded_above(value.rad + corners.R));
     const Enclosure H = Y * M * X;
-    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also shows X, and with it Y, to be regular.
-    const double c = least_eigenvalue_bound(GG - H.transpose() * H);
+    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also proves that X, and therefore Y, is regular.
+    const double c = min_eigenvalue_bound(GG - H.transpose() * H);
     if (!(c > 0)) return;
-    least = std::min(least, c);
+    min = std::min(min, c);
   }
   // ‖Y M X ξ‖² ≤ ‖z‖² - c ‖ξ‖² with z = G ξ, ‖ξ‖ ≥ ‖z‖/(1 + g).
-  result.gap = least / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
+  result.gap = min / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
   result.condition =
       bounded_above(norm_bound(z.Y.cwiseAbs()) * norm_bound(z.X.cwiseAbs()) / (1 - g));
   result.proved = result.gap > 0 && std::isfinite(result.condition);
@@ -358,10 +361,10 @@ Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
   Contraction result;
   const Corners corners = corners_of(loop, box);
   if (!corners.free.empty()) result.widest = corners.free.back();
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   if (start != nullptr) {
-    least = expansion(*start, corners);
-    if (least < 1) prove(*start, corners, result);
+    min = expansion(*start, corners);
+    if (min < 1) prove(*start, corners, result);
     if (result.proved) {
       result.radius = std::numeric_limits<double>::quiet_NaN();
       return result;
@@ -373,7 +376,7 @@ Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
   const Modes modes = modes_of(middle);
   result.radius = modes.radius;
   if (!(modes.radius < 1)) return result;
-  result.coordinates = chosen(middle, modes, corners, start, least);
+  result.coordinates = chosen(middle, modes, corners, start, min);
   if (!result.coordinates) return result;
   prove(*result.coordinates, corners, result);
   if (!result.proved && !corners.free.empty()) result.widest = widest(*result.coordinates, corners);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One Lyapunov function for a whole box of closed loops.
+/// Proves one quadratic Lyapunov function for a whole box of closed loops.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,28 +9,31 @@
 
 namespace quadtune::internal {
 
-/// Coordinates z = Y x; X is Y⁻¹ up to rounding.
+/// Coordinates z = Y x, where X is Y⁻¹ up to rounding.
 struct Coordinates {
   Eigen::MatrixXd Y;
   Eigen::MatrixXd X;
 };
 
-/// Whether xᵀ YᵀY x falls with every period of every loop of the box.
+/// Whether xᵀ YᵀY x decreases in every period for every loop of the box.
 struct Contraction {
   bool proved = false;
   /// ‖Y M Y⁻¹‖₂ ≤ 1 - gap for every M of the box; 0 unless proved.
   double gap = 0;
   double condition = 0;  ///< ≥ ‖Y‖ ‖Y⁻¹‖; 0 unless proved
-  /// Of the box's middle, computed and not proved; NaN where the given coordinates prove the box.
+  /// Spectral radius at the midpoint of the box, computed but not proved; NaN if the given
+  /// coordinates prove the box.
   double radius = 0;
-  /// Along which the loops differ most: a number, or their count for `ahead`; -1: none has a width.
+  /// The coordinate along which the loops differ most: the index of a parameter, or the number of
+  /// parameters for `ahead`; -1 if no interval has positive width.
   Eigen::Index widest = -1;
-  /// Those in which the box expands least of all that were tried, unless it is proved.
+  /// Unless proved: the coordinates with the minimum expansion of the box among those tried.
   std::optional<Coordinates> coordinates;
 };
 
-/// M(p) is within R of the convex hull of its values in the corners of the box, and x ↦ ‖Y M x‖² is
-/// convex in M: what holds at each corner, R added, holds in between.
+/// Tries to prove a box. M(p) is within R of the convex hull of its values at the corners of the
+/// box, and x ↦ ‖Y M x‖² is convex in M: a bound that holds at each corner, with R added, also
+/// holds in between.
 /// @param start  coordinates to try first: those of a larger box around this one. May be null.
 [[nodiscard]] Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
                                             const Coordinates* start = nullptr);

@@ -11,9 +11,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr int kTerms = 16;
-constexpr int kMostDoublings = 40;
+constexpr int kMaxDoublings = 40;
 
-// Σ_{j>N} r^j/(j+1)! ≤ 2 r^(N+1)/(N+2)! for r ≤ 1: what the series of ∫ e^(Xs) ds leaves out.
+// Σ_{j>N} r^j/(j+1)! ≤ 2 r^(N+1)/(N+2)! for r ≤ 1: the remainder of the series of ∫ e^(Xs) ds.
 double remainder(double r) {
   double term = 2;
   for (int j = 1; j <= kTerms + 1; ++j) term *= r / j;
@@ -31,7 +31,7 @@ EnclosedHold enclosed_hold(const Enclosure& A, const NumberEnclosure& t) {
   const Enclosure one{MatrixXd(MatrixXd::Identity(n, n))};
   double r = bounded_above(row_sum(A.magnitude()) * (std::abs(t.mid) + t.rad));
   int doublings = 0;
-  while (r > 0.5 && doublings < kMostDoublings) {
+  while (r > 0.5 && doublings < kMaxDoublings) {
     r /= 2;
     ++doublings;
   }
@@ -40,7 +40,7 @@ EnclosedHold enclosed_hold(const Enclosure& A, const NumberEnclosure& t) {
   const Enclosure X = h * A;
   Enclosure P = one;  // Σ X^j/(j+1)!, by Horner's scheme
   for (int j = kTerms; j >= 1; --j) P = one + X * P / (j + 1.0);
-  // Beyond 1/2 (too many doublings, or numbers that are not finite) nothing is known.
+  // Beyond 1/2 (too many doublings, or entries that are not finite) there is no bound.
   const double left_out = r <= 0.5 ? remainder(r) : std::numeric_limits<double>::infinity();
   P.rad.array() += left_out;
   EnclosedHold hold{one + X * P, h * P};
@@ -56,7 +56,7 @@ HoldSize hold_size(const ConstRef& size, double longest) {
   return {hold.Phi.magnitude(), hold.Gamma.magnitude()};
 }
 
-// exp([X Y 0; 0 X Y; 0 0 X]) holds ∂²/2 in its corner.
+// The upper right block of exp([X Y 0; 0 X Y; 0 0 X]) is ∂²/2.
 MatrixXd exponential_curvature(const ConstRef& size, const ConstRef& change, double longest) {
   const Index n = size.rows();
   MatrixXd blocks = MatrixXd::Zero(3 * n, 3 * n);

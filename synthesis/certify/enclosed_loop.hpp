@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The closed loop of an UncertainLoop as an enclosure: at one point, over a box, and how far it
-/// bends in between.
+/// Enclosures of the closed loop of an UncertainLoop: at one point, over a box, and the deviation
+/// from multilinear interpolation.
 #pragma once
 
 #include <vector>
@@ -10,42 +10,46 @@
 
 namespace quadtune::internal {
 
-/// A box on which the loop has the same states: the delay is `past` periods less `ahead`, so that
-/// u[k-past] acts first and u[k-past+1] for the last `ahead` of each period. past = 0: no delay.
+/// A box in which the loop has the same states: the delay is `past` periods minus `ahead`, so that
+/// u[k-past] is applied first in each period, and u[k-past+1] during the last `ahead`. past = 0: no
+/// delay.
 struct EnclosedBox {
-  Eigen::VectorXd low;    ///< of the numbers
-  Eigen::VectorXd high;   ///< likewise
-  double ahead_low = 0;   ///< [s], 0 ≤ ahead ≤ dt; of no meaning where past = 0
+  Eigen::VectorXd low;    ///< lower bounds of the parameters
+  Eigen::VectorXd high;   ///< upper bounds of the parameters
+  double ahead_low = 0;   ///< [s], 0 ≤ ahead ≤ dt; ignored if past = 0
   double ahead_high = 0;  ///< [s]
-  int past = 0;           ///< outputs of the law that are states
+  int past = 0;           ///< number of past outputs of the law that are states
 };
 
-/// The parts of a delay's interval with as many past outputs each, in order.
+/// Splits a box at multiples of the control period in the delay, in increasing order; each result
+/// has a fixed number of past outputs.
 [[nodiscard]] std::vector<EnclosedBox> same_states(const LoopBox& box, double dt);
 
-/// One period of the closed loop at a point, every rounding bounded.
+/// Encloses the matrix of one period of the closed loop at a point.
 [[nodiscard]] Enclosure enclosed_loop(const UncertainLoop& loop, const Eigen::VectorXd& numbers,
                                       double ahead, int past);
 
-/// R_j ≥ 0, one for each number and then one for `ahead`: for every p in the box M(p) is within
-/// R = Σ R_j, entry by entry, of the multilinear interpolation between the corners of the box.
+/// Computes R_j ≥ 0, one for each parameter and then one for `ahead`: for every p in the box, M(p)
+/// differs from the multilinear interpolation between the corners of the box by at most R = Σ R_j,
+/// entry by entry.
 /// R_j = (width_j)²/8 sup |∂²M/∂p_j²|.
 [[nodiscard]] std::vector<Eigen::MatrixXd> interpolation_errors(const UncertainLoop& loop,
                                                                 const EnclosedBox& box);
 
-/// Bounds of |M(p)| over the box, those of what is zero in all plants and in the law nearly zero.
+/// Computes upper bounds of |M(p)| over the box. They are nearly zero for entries that are zero in
+/// all plants and in the law.
 [[nodiscard]] Eigen::MatrixXd loop_size(const UncertainLoop& loop, const EnclosedBox& box);
 
-/// To which part of a loop each belongs, by the parts' numbers.
+/// The index of the part to which each state and input of a loop belongs.
 struct PartNumbers {
-  Eigen::VectorXi states;  ///< of the plant (nx)
-  Eigen::VectorXi memory;  ///< of the law (ni)
-  Eigen::VectorXi inputs;  ///< of the plant (nu)
+  Eigen::VectorXi states;  ///< states of the plant (nx)
+  Eigen::VectorXi memory;  ///< states of the law (ni)
+  Eigen::VectorXi inputs;  ///< inputs of the plant (nu)
 };
 
-/// Bounds, over the box, of what the ways through other parts add to the blocks of M(p) that lead
-/// from a part to itself: those blocks are within them of the M(p) of the part alone. Of no meaning
-/// in the other blocks.
+/// Computes upper bounds, over the box, of the contribution of paths through other parts to the
+/// diagonal blocks of M(p), which lead from a part to itself: each block differs from the M(p) of
+/// the part alone by at most this. The other blocks of the result have no meaning.
 [[nodiscard]] Eigen::MatrixXd detour_size(const UncertainLoop& loop, const EnclosedBox& box,
                                           const PartNumbers& part);
 

@@ -14,16 +14,16 @@ using Eigen::MatrixXd;
 
 constexpr double kUnit = 0x1p-53;  // half of the distance from 1 to the next double
 
-// What underflow can take from a sum of at most 2000 products.
+// Bound of the underflow error in a sum of at most 2000 products.
 constexpr double kUnderflow = 1e-290;
 
-// Of a sum of n products, relative to the sum of their sizes.
+// Rounding error of a sum of n products, relative to the sum of their magnitudes.
 double product_error(Index n) {
   const double nu = static_cast<double>(n + 2) * kUnit;
   return nu / (1 - nu);
 }
 
-// L with L Lᵀ = S up to rounding exists in doubles: the factorization's diagonal stays positive.
+// Whether the Cholesky factorization of S completes in doubles: all pivots are positive.
 bool cholesky_ends(MatrixXd S) {
   const Index n = S.rows();
   for (Index j = 0; j < n; ++j) {
@@ -50,7 +50,7 @@ NumberEnclosure NumberEnclosure::between(double low, double high) {
   return {mid, low == high ? 0 : bounded_above(reach + 4 * kUnit * std::abs(mid))};
 }
 
-// 2000 sums and products of numbers ≥ 0 lose less than 1e-12 of their value.
+// The relative error of 2000 sums and products of numbers ≥ 0 is less than 1e-12.
 MatrixXd bounded_above(const ConstRef& R) {
   return (R.array() * (1 + 1e-12) + kUnderflow).matrix();
 }
@@ -72,7 +72,7 @@ Enclosure operator-(const Enclosure& a, const Enclosure& b) {
 Enclosure operator*(const Enclosure& a, const Enclosure& b) {
   const MatrixXd A = a.mid.cwiseAbs();
   const MatrixXd B = b.mid.cwiseAbs();
-  // |ab - mid| ≤ |a| rad b + rad a (|b| + rad b) + rounding of the product of the middles
+  // |ab - mid| ≤ |a| rad b + rad a (|b| + rad b) + rounding of the product of the midpoints
   MatrixXd rad = A * b.rad + a.rad * (B + b.rad) + product_error(a.cols()) * (A * B);
   return {a.mid * b.mid, bounded_above(rad)};
 }
@@ -92,13 +92,13 @@ Enclosure operator/(const Enclosure& a, double c) {
 
 double norm_bound(const ConstRef& R) {
   if (R.size() == 0) return 0;
-  // ‖M‖₂² ≤ ‖M‖₁ ‖M‖∞, and both are those of R at most.
+  // ‖M‖₂² ≤ ‖M‖₁ ‖M‖∞, and neither exceeds that of R.
   const double columns = R.colwise().sum().maxCoeff();
   const double rows = R.rowwise().sum().maxCoeff();
   return bounded_above(std::sqrt(columns * rows));
 }
 
-double least_eigenvalue_bound(const Enclosure& S) {
+double min_eigenvalue_bound(const Enclosure& S) {
   const Index n = S.rows();
   if (!S.mid.allFinite() || !S.rad.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   const MatrixXd mid = 0.5 * (S.mid + S.mid.transpose());
@@ -107,7 +107,7 @@ double least_eigenvalue_bound(const Enclosure& S) {
   const double guess =
       Eigen::SelfAdjointEigenSolver<MatrixXd>(mid, Eigen::EigenvaluesOnly).eigenvalues()(0);
   if (!(guess > 0)) return guess;
-  // Half of what seems to be there is left to be proved.
+  // Try to prove half of the computed minimum eigenvalue.
   const double shift = 0.5 * guess;
   const MatrixXd shifted = mid - shift * MatrixXd::Identity(n, n);
   if (!cholesky_ends(shifted)) return 0;

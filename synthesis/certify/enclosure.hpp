@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Matrices known up to a radius, and products and sums that never lose what they stand for.
+/// Matrices with error bounds (midpoint and radius), and rigorous products and sums of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,18 +8,19 @@
 
 namespace quadtune::internal {
 
-/// Every matrix M with |M - mid| ≤ rad, entry by entry. Overflow leaves entries that are not
-/// finite; whoever decides by an enclosure takes these for a no.
+/// The set of all matrices M with |M - mid| ≤ rad, entry by entry. After an overflow, entries are
+/// not finite; a decision based on such an enclosure must be negative.
 ///
-/// Rounding is bounded beforehand, so no rounding mode is changed: a sum of n products in any
-/// order, fused or not, is off by at most n u/(1 - n u) times the sum of their sizes, u = 2⁻⁵³.
+/// Rounding errors are bounded a priori, so that no rounding mode is changed: the error of a sum of
+/// n products in any order, fused or not, is at most n u/(1 - n u) times the sum of their
+/// magnitudes, u = 2⁻⁵³.
 /// Source: Higham 2002, section 3.1; Rump 1999, midpoint and radius.
 struct Enclosure {
   Eigen::MatrixXd mid;
   Eigen::MatrixXd rad;  ///< ≥ 0
 
   Enclosure() = default;
-  /// M itself.
+  /// The matrix M, with radius 0.
   explicit Enclosure(const ConstRef& M) : mid(M), rad(Eigen::MatrixXd::Zero(M.rows(), M.cols())) {}
   Enclosure(Eigen::MatrixXd middle, Eigen::MatrixXd radius)
       : mid(std::move(middle)), rad(std::move(radius)) {}
@@ -31,17 +32,17 @@ struct Enclosure {
   [[nodiscard]] Eigen::MatrixXd magnitude() const;
 };
 
-/// All real numbers within a radius of one.
+/// The set of all real numbers within a radius of a midpoint.
 struct NumberEnclosure {
   double mid = 0;
   double rad = 0;  ///< ≥ 0
 
-  /// low … high, rounded outwards.
+  /// The interval low … high, rounded outwards.
   [[nodiscard]] static NumberEnclosure between(double low, double high);
 };
 
-/// A bound of R from R itself, where R ≥ 0 was made in doubles by at most 2000 sums and products a
-/// entry.
+/// Returns an upper bound of the exact value of R ≥ 0, whose entries were computed in doubles by at
+/// most 2000 sums and products each.
 [[nodiscard]] Eigen::MatrixXd bounded_above(const ConstRef& R);
 [[nodiscard]] double bounded_above(double r);
 
@@ -49,17 +50,18 @@ struct NumberEnclosure {
 [[nodiscard]] Enclosure operator-(const Enclosure& a, const Enclosure& b);
 [[nodiscard]] Enclosure operator*(const Enclosure& a, const Enclosure& b);
 [[nodiscard]] Enclosure operator*(const NumberEnclosure& a, const Enclosure& b);
-/// M/c for a c that is a double.
+/// M/c for an exact double c.
 [[nodiscard]] Enclosure operator/(const Enclosure& a, double c);
 
 /// An upper bound of ‖M‖₂ for |M| ≤ R.
 [[nodiscard]] double norm_bound(const ConstRef& R);
 
-/// A c for which every symmetric matrix of S is ≥ c I, proved; not above 0, or NaN, where none was
-/// found. S need not be symmetric to rounding: what is not is counted into its radius.
+/// Computes a proved lower bound c of the eigenvalues: every symmetric matrix in S is ≥ c I. The
+/// result is not positive, or NaN, if no bound was found. S need not be symmetric: its asymmetry is
+/// added to the radius.
 ///
-/// A Cholesky factorization of S.mid - t I that ends proves S.mid - t I ≥ -δ I, δ the
-/// factorization's own rounding. Source: Rump 2006; Higham 2002, theorem 10.5.
-[[nodiscard]] double least_eigenvalue_bound(const Enclosure& S);
+/// If the Cholesky factorization of S.mid - t I completes, S.mid - t I ≥ -δ I, where δ bounds the
+/// rounding errors of the factorization. Source: Rump 2006; Higham 2002, theorem 10.5.
+[[nodiscard]] double min_eigenvalue_bound(const Enclosure& S);
 
 }  // namespace quadtune::internal

@@ -25,27 +25,27 @@ using internal::Coordinates;
 using internal::EnclosedBox;
 using internal::LoopPart;
 
-constexpr Index kMostNumbers = 10;
+constexpr Index kMaxNumbers = 10;
 
-// Boxes that are looked at together, by as many threads as there are. A constant, so that the
-// answer does not depend on the threads.
+// Number of boxes that the threads examine together. A constant, so that the result does not depend
+// on the number of threads.
 constexpr std::size_t kTogether = 16;
 
-// A box narrower than this share of its bounds is not split again.
+// A box whose relative width is smaller than this is not split.
 constexpr double kNarrowest = 1e-9;
 
-/// What holds for all boxes of one part.
+/// The evidence from all boxes of one part.
 struct PartEvidence {
   double gap = std::numeric_limits<double>::infinity();
   double condition = 1;
-  double share = 0;  ///< that is proved
+  double share = 0;  ///< proved fraction of the box of the part
 };
 
-/// A box that is not proved yet, and the coordinates that were best for the one that it is half of.
+/// A box that is not proved yet, and the best coordinates of the box of which it is a half.
 struct OpenBox {
   EnclosedBox box;
   std::shared_ptr<const Coordinates> start;
-  double share = 1;  ///< of the box of its part
+  double share = 1;  ///< fraction of the box of its part
 };
 
 std::string name_of(const LoopPart& part) {
@@ -53,7 +53,7 @@ std::string name_of(const LoopPart& part) {
   return known.empty() ? fmt::format("{} states", part.states.size()) : known;
 }
 
-/// The widths of a box, the delay's last.
+/// Whether a box is wide enough along a coordinate to be split.
 bool can_split(const EnclosedBox& box, Index along) {
   if (along < 0) return false;
   const bool number = along < box.low.size();
@@ -89,7 +89,7 @@ class Proof {
     result_.status = StabilityProofStatus::proved;
     result_.gap = std::numeric_limits<double>::infinity();
     std::vector<EnclosedBox> regions = internal::same_states(box, loop_.law.dt);
-    // Long delays first: what fails mostly fails there.
+    // Start with long delays, where proofs are most likely to fail.
     std::reverse(regions.begin(), regions.end());
     for (const EnclosedBox& region : regions) {
       std::vector<LoopPart> parts = internal::loop_parts(loop_, region);
@@ -119,7 +119,7 @@ class Proof {
     return true;
   }
 
-  /// What joins the parts is too much for them: they are proved as one.
+  /// The coupling between the parts is too strong: proves the whole loop as one part.
   bool merged_is_proved(const std::vector<LoopPart>& parts, const EnclosedBox& region,
                         double coupled, double gap) {
     if (parts.size() > 1) {
@@ -127,26 +127,27 @@ class Proof {
       name_parts(one);
       return region_is_proved(one, region);
     }
-    return fail(StabilityProofStatus::not_proved, parts.front(), region,
-                fmt::format("a coupling of {:.2g} is not below the gap {:.2g}", coupled, gap));
+    return fail(
+        StabilityProofStatus::not_proved, parts.front(), region,
+        fmt::format("the coupling {:.2g} is not smaller than the gap {:.2g}", coupled, gap));
   }
 
   bool part_is_proved(const LoopPart& part, const EnclosedBox& region, PartEvidence& evidence) {
-    if (std::ssize(part.terms) > kMostNumbers)
+    if (std::ssize(part.terms) > kMaxNumbers)
       throw InvalidInput("prove_stability",
-                         fmt::format("{} numbers move {}, expected at most {}", part.terms.size(),
-                                     name_of(part), kMostNumbers));
+                         fmt::format("{} parameters affect {}, expected at most {}",
+                                     part.terms.size(), name_of(part), kMaxNumbers));
     std::vector<OpenBox> open = {{part.share(region), nullptr}};
     const int before = result_.boxes;
     while (!open.empty()) {
       if (takes_too_long(result_.boxes - before, evidence.share))
         return fail(StabilityProofStatus::not_proved, part, open.back().box,
-                    fmt::format("{} boxes were looked at, and {:.2g} of the box is proved",
+                    fmt::format("{} boxes were examined, and {:.2g} of the box is proved",
                                 result_.boxes, evidence.share));
-      const auto left = static_cast<std::size_t>(options_.most_boxes - result_.boxes);
+      const auto left = static_cast<std::size_t>(options_.max_boxes - result_.boxes);
       if (left == 0)
         return fail(StabilityProofStatus::not_proved, part, open.back().box,
-                    fmt::format("{} boxes were looked at", result_.boxes));
+                    fmt::format("{} boxes were examined", result_.boxes));
       std::vector<OpenBox> together;
       while (!open.empty() && together.size() < std::min(kTogether, left)) {
         together.push_back(std::move(open.back()));
@@ -172,14 +173,16 @@ class Proof {
     return true;
   }
 
-  /// @param boxes  of this part that were looked at, and the share of it that they prove
+  /// Whether the part would exceed the budget by the factor of the options.
+  /// @param boxes  number of boxes of this part that were examined
+  /// @param share  fraction of the part's box that they prove
   [[nodiscard]] bool takes_too_long(int boxes, double share) const {
     constexpr int kEnoughToTell = 128;
-    return boxes >= kEnoughToTell && boxes > share * options_.give_up * options_.most_boxes;
+    return boxes >= kEnoughToTell && boxes > share * options_.abort_factor * options_.max_boxes;
   }
 
-  /// Keeps the evidence of a box that is proved, and divides one that is not.
-  /// @return false where the proof ends here
+  /// Records the evidence of a proved box; splits a box that is not proved.
+  /// @return  false if the proof ends here
   bool goes_on(const LoopPart& part, const OpenBox& one, Contraction contraction,
                PartEvidence& evidence, std::vector<OpenBox>& open) {
     const EnclosedBox& box = one.box;
@@ -193,11 +196,11 @@ class Proof {
     }
     if (!(contraction.radius < 1))
       return fail(StabilityProofStatus::unstable, part, box,
-                  fmt::format("spectral radius {:.9g} in its middle", contraction.radius));
+                  fmt::format("spectral radius {:.9g} at its midpoint", contraction.radius));
     if (!can_split(box, contraction.widest))
-      return fail(
-          StabilityProofStatus::not_proved, part, box,
-          fmt::format("spectral radius {:.12g} in a box too narrow to split", contraction.radius));
+      return fail(StabilityProofStatus::not_proved, part, box,
+                  fmt::format("spectral radius {:.12g} in a box that is too narrow to split",
+                              contraction.radius));
     std::shared_ptr<const Coordinates> start;
     if (contraction.coordinates)
       start = std::make_shared<const Coordinates>(*std::move(contraction.coordinates));
@@ -207,8 +210,8 @@ class Proof {
     return true;
   }
 
-  /// ‖[Y_a E_ab Y_b⁻¹]‖₂ over all pairs of parts, the norms of each Y being 1; E_aa is what comes
-  /// back through other parts.
+  /// ‖[Y_a E_ab Y_b⁻¹]‖₂ over all pairs of parts, with each Y scaled to the norm 1; E_aa is the
+  /// contribution of paths through other parts.
   [[nodiscard]] double coupling(const std::vector<LoopPart>& parts,
                                 const std::vector<PartEvidence>& evidence,
                                 const EnclosedBox& region) const {
@@ -261,9 +264,9 @@ StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,
                                const StabilityProofOptions& options) {
   validate(loop, "prove_stability");
   validate(box, loop, "prove_stability");
-  if (options.most_boxes < 1)
+  if (options.max_boxes < 1)
     throw InvalidInput("prove_stability",
-                       fmt::format("most_boxes is {}, expected 1 or more", options.most_boxes));
+                       fmt::format("most_boxes is {}, expected 1 or more", options.max_boxes));
   return Proof(loop, options).run(box);
 }
 

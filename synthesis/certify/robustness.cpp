@@ -12,28 +12,28 @@
 namespace quadtune {
 namespace {
 
-/// The proof of the scaled box.
+/// Tries to prove the scaled box.
 StabilityProof prove_scaled(const LoopFamily& family, double scale,
                             const StabilityProofOptions& options) {
   const ParameterBox box = scaled_box(family, scale);
   return prove_stability(family.loop, family.over(box.low, box.high), options);
 }
 
-/// Raises proved_scale until the bracket is narrow: first nearly to what was found, then by halves.
-/// A wider box takes more boxes, by at least the square of the scale where two ranges of a part
-/// grow. Where the last proof took half of the budget there is no other.
+/// Raises proved_scale until the bracket is narrow: first tries nearly found_scale, then bisects.
+/// The number of boxes increases at least with the square of the scale if two intervals of a part
+/// grow. If a proof used half of the budget, no larger scale is tried.
 void narrow_bracket(const LoopFamily& family, const RobustnessOptions& options,
                     Robustness& result) {
   StabilityProofOptions proof_options = options.proof;
-  proof_options.most_boxes = options.bracket_boxes;
-  proof_options.give_up = 2;
+  proof_options.max_boxes = options.bracket_boxes;
+  proof_options.abort_factor = 2;
   int taken = result.proof.boxes;
-  double beyond = std::min(result.found_scale, family.greatest_scale);
+  double beyond = std::min(result.found_scale, family.max_scale);
   if (!result.proof.proved()) beyond = std::min(beyond, 1.0);
   double scale =
-      result.found_scale <= family.greatest_scale ? beyond * (1 - 0.5 * options.tolerance) : beyond;
-  constexpr int kMostProofs = 12;
-  for (int i = 0; i < kMostProofs && result.proved_scale < beyond * (1 - options.tolerance); ++i) {
+      result.found_scale <= family.max_scale ? beyond * (1 - 0.5 * options.tolerance) : beyond;
+  constexpr int kMaxProofs = 12;
+  for (int i = 0; i < kMaxProofs && result.proved_scale < beyond * (1 - options.tolerance); ++i) {
     if (result.proved_scale > 0 && 2 * taken > options.bracket_boxes) return;
     if (scale <= result.proved_scale) scale = 0.5 * (result.proved_scale + beyond);
     const StabilityProof proof = prove_scaled(family, scale, proof_options);
@@ -53,17 +53,18 @@ void narrow_bracket(const LoopFamily& family, const RobustnessOptions& options,
 void validate(const LoopFamily& family, const std::string& where) {
   validate(family.loop, where);
   if (!family.at || !family.over)
-    throw InvalidInput(where, "no functions from parameters to numbers, expected both");
-  if (family.parameters.empty()) throw InvalidInput(where, "no parameters, expected at least one");
+    throw InvalidInput(where, "the functions at() and over() are not set, expected both");
+  if (family.parameters.empty())
+    throw InvalidInput(where, "there are no parameters, expected at least one");
   for (const UncertainParameter& p : family.parameters)
     if (!(p.low <= p.nominal) || !(p.nominal <= p.high) || !std::isfinite(p.low) ||
         !std::isfinite(p.high))
-      throw InvalidInput(where, fmt::format("{} is {} … {} about {}, expected finite bounds about "
-                                            "the nominal value",
+      throw InvalidInput(where, fmt::format("{} is in {} … {} with the nominal value {}, expected "
+                                            "finite bounds around the nominal value",
                                             p.name, p.low, p.high, p.nominal));
-  if (!(family.greatest_scale > 0) || !std::isfinite(family.greatest_scale))
-    throw InvalidInput(where, fmt::format("the greatest scale is {}, expected more than 0",
-                                          family.greatest_scale));
+  if (!(family.max_scale > 0) || !std::isfinite(family.max_scale))
+    throw InvalidInput(
+        where, fmt::format("the greatest scale is {}, expected more than 0", family.max_scale));
 }
 
 ParameterBox scaled_box(const LoopFamily& family, double scale) {
@@ -80,10 +81,10 @@ ParameterBox scaled_box(const LoopFamily& family, double scale) {
 Robustness assess_robustness(const LoopFamily& family, const RobustnessOptions& options) {
   validate(family, "assess_robustness");
   if (!(options.tolerance > 0) || !(options.tolerance < 1) || options.bracket_boxes < 1)
-    throw InvalidInput(
-        "assess_robustness",
-        fmt::format("tolerance {} and {} boxes, expected one in 0 … 1 and at least 1",
-                    options.tolerance, options.bracket_boxes));
+    throw InvalidInput("assess_robustness",
+                       fmt::format("tolerance is {} and bracket_boxes is {}, expected a tolerance "
+                                   "in (0, 1) and 1 box or more",
+                                   options.tolerance, options.bracket_boxes));
   Robustness result;
   result.proof = prove_scaled(family, 1, options.proof);
   result.boxes = result.proof.boxes;

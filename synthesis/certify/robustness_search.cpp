@@ -16,14 +16,14 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kDrawn = 100;       // points beside the corners
-constexpr int kMostCorners = 12;  // parameters of which all corners are looked at
+constexpr int kDrawn = 100;      // random points in addition to the corners
+constexpr int kMaxCorners = 12;  // with more parameters, not all corners are evaluated
 constexpr std::size_t kClimbs = 4;
-// Rays that are looked at together. A constant, so that what is found does not depend on the
-// threads.
+// Number of rays that are searched together. A constant, so that the result does not depend on the
+// number of threads.
 constexpr std::size_t kSearchedTogether = 16;
-constexpr double kFinestStep = 1e-3;  // of half the box's width
-constexpr int kStepsAlong = 24;       // of a ray, from nominal outwards
+constexpr double kFinestStep = 1e-3;  // relative to half the width of the box
+constexpr int kStepsAlong = 24;       // steps along a ray, from nominal outwards
 constexpr double kRayTolerance = 1e-4;
 
 const double kInfinity = std::numeric_limits<double>::infinity();
@@ -73,32 +73,32 @@ double RobustnessSearch::radius_of(std::size_t part, const LoopPoint& point) con
   return radius;
 }
 
-// The corners that differ, then points drawn evenly.
+// The distinct corners, then uniformly distributed random points.
 std::vector<RobustnessSearch::Direction> RobustnessSearch::starts() {
   std::vector<Index> free;
-  VectorXd least = VectorXd::Zero(std::ssize(family_.parameters));
-  VectorXd most = least;
-  for (Index i = 0; i < least.size(); ++i) {
+  VectorXd min = VectorXd::Zero(std::ssize(family_.parameters));
+  VectorXd max = min;
+  for (Index i = 0; i < min.size(); ++i) {
     const UncertainParameter& parameter = family_.parameters[static_cast<std::size_t>(i)];
-    least(i) = parameter.low < parameter.nominal ? -1 : 0;
-    most(i) = parameter.high > parameter.nominal ? 1 : 0;
-    if (least(i) < most(i)) free.push_back(i);
+    min(i) = parameter.low < parameter.nominal ? -1 : 0;
+    max(i) = parameter.high > parameter.nominal ? 1 : 0;
+    if (min(i) < max(i)) free.push_back(i);
   }
-  std::vector<Direction> all = {VectorXd::Zero(least.size())};
+  std::vector<Direction> all = {VectorXd::Zero(min.size())};
   const std::size_t corners = std::size_t{1}
-                              << std::min(free.size(), static_cast<std::size_t>(kMostCorners));
+                              << std::min(free.size(), static_cast<std::size_t>(kMaxCorners));
   for (std::size_t corner = 0; corner < corners; ++corner) {
-    Direction direction = least;
+    Direction direction = min;
     for (std::size_t b = 0; b < free.size(); ++b)
-      if ((corner >> b & 1) != 0) direction(free[b]) = most(free[b]);
+      if ((corner >> b & 1) != 0) direction(free[b]) = max(free[b]);
     all.push_back(std::move(direction));
   }
   for (int i = 0; i < kDrawn; ++i) {
-    Direction direction = least;
+    Direction direction = min;
     for (const Index j : free) {
-      // 53 bits of the generator: the same on every machine.
+      // Uses 53 bits of the generator, so that the points are the same on every machine.
       const double share = static_cast<double>(random_() >> 11) * 0x1p-53;
-      direction(j) += share * (most(j) - least(j));
+      direction(j) += share * (max(j) - min(j));
     }
     all.push_back(std::move(direction));
   }
@@ -163,14 +163,14 @@ WorstCase RobustnessSearch::worst() {
   return worst;
 }
 
-// Stability may be lost and won again along a ray: it is looked at in steps, then halved.
+// Stability may be lost and regained along a ray: scans it in steps, then bisects.
 double RobustnessSearch::first_unstable(const Direction& direction, double up_to) const {
   const auto unstable = [&](double scale) {
     return WorstCase{radius(direction, scale), {}}.unstable();
   };
   double low = 0;
   for (int step = 1; step <= kStepsAlong; ++step) {
-    // Closer steps near the nominal loop.
+    // The steps are closer near the nominal loop.
     const double share = static_cast<double>(step) / kStepsAlong;
     const double scale = up_to * share * std::sqrt(share);
     if (unstable(scale)) return internal::border(unstable, scale, low, kRayTolerance).holds;
@@ -186,22 +186,22 @@ RobustnessSearch::Nearest RobustnessSearch::nearest() {
   };
   const std::vector<Direction> all = starts();
   std::vector<Ray> seen;
-  double least = family_.greatest_scale;
+  double min = family_.max_scale;
   for (std::size_t first = 0; first < all.size() && !stopped(); first += kSearchedTogether) {
-    const double up_to = least;
+    const double up_to = min;
     const std::size_t count = std::min(kSearchedTogether, all.size() - first);
     for (Ray& ray : each(count, [&](std::size_t i) -> Ray {
            return {first_unstable(all[first + i], up_to), all[first + i]};
          })) {
       if (!(ray.scale < kInfinity)) continue;
-      least = std::min(least, ray.scale);
+      min = std::min(min, ray.scale);
       seen.push_back(std::move(ray));
     }
   }
   if (seen.empty()) return {kInfinity, {}};
   std::stable_sort(seen.begin(), seen.end(),
                    [](const Ray& a, const Ray& b) { return a.scale < b.scale; });
-  const double up_to = 1.0001 * least;
+  const double up_to = 1.0001 * min;
   Ray best = seen.front();
   for (const Ray& top : each(std::min(kClimbs, seen.size()), [&](std::size_t i) -> Ray {
          const Direction found = climbed(seen[i].direction, [&](const Direction& direction) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Looks for the worst loop of a family, and for the nearest that is unstable.
+/// Searches for the worst loop of a family, and for the nearest unstable one.
 #pragma once
 
 #include <map>
@@ -12,28 +12,28 @@
 
 namespace quadtune::internal {
 
-/// Corners, drawn points, and from the best of them step by step to a place where no step along a
-/// parameter is better. What it finds is true as far as computed poles are; what it does not find
-/// may be there.
+/// Evaluates the corners and random points, and improves the best of them by coordinate search to a
+/// local optimum. Results are correct to the accuracy of the computed poles; a failed search does
+/// not prove anything.
 class RobustnessSearch {
  public:
-  /// @param threads      at most so many at once; what is found does not depend on it
-  /// @param interrupted  asked by any thread
+  /// @param threads      maximum number of threads; the results do not depend on it
+  /// @param interrupted  polled from any thread
   RobustnessSearch(const LoopFamily& family, std::uint64_t seed, std::size_t threads,
                    const std::function<bool()>& interrupted);
 
-  /// The largest spectral radius in the family's box.
+  /// Searches for the maximum spectral radius in the box of the family.
   [[nodiscard]] WorstCase worst();
 
-  /// The smallest scale of the box at which a loop was found unstable, and that loop.
+  /// The smallest scale of the box at which an unstable loop was found, and that loop.
   struct Nearest {
-    double scale;  ///< infinite where there is none
+    double scale;  ///< infinite if none was found
     WorstCase found;
   };
   [[nodiscard]] Nearest nearest();
 
  private:
-  /// -1 … 1 for each parameter: from low over nominal to high.
+  /// -1 … 1 for each parameter: -1 is low, 0 is nominal, 1 is high.
   using Direction = Eigen::VectorXd;
 
   [[nodiscard]] Eigen::VectorXd parameters(const Direction& direction, double scale) const;
@@ -41,7 +41,7 @@ class RobustnessSearch {
   [[nodiscard]] double radius_of(std::size_t part, const LoopPoint& point) const;
   [[nodiscard]] double first_unstable(const Direction& direction, double up_to) const;
   [[nodiscard]] std::vector<Direction> starts();
-  /// f(0) … f(count - 1), of those that were called before the search was stopped.
+  /// Computes f(0) … f(count - 1); omits those that were not called before an interruption.
   template <class F>
   [[nodiscard]] auto each(std::size_t count, const F& f) const;
   template <class Better>
@@ -53,8 +53,8 @@ class RobustnessSearch {
   std::function<bool()> interrupted_;
   std::mt19937_64 random_;
   std::vector<LoopPart> parts_;
-  /// Radii by the numbers and the delay of each part: most steps along a parameter leave most parts
-  /// as they are.
+  /// Cache of spectral radii by the parameters and the delay of each part: most steps along a
+  /// parameter leave most parts unchanged.
   mutable std::vector<std::map<std::vector<double>, double>> known_;
   mutable std::mutex mutex_;
 };

@@ -23,15 +23,16 @@ using internal::EnclosedBox;
 using internal::Enclosure;
 using internal::NumberEnclosure;
 
-/// What the plant does in a period to its states, and with the outputs that act in it.
+/// The matrices of the plant over one period: for its states, and for the outputs of the law that
+/// are applied in it.
 template <class Matrix>
 struct Period {
-  Matrix Phi;    ///< of x[k]
-  Matrix early;  ///< of u[k-past], before the next output comes
-  Matrix last;   ///< of u[k-past+1]; the only one where past = 0
+  Matrix Phi;    ///< factor of x[k]
+  Matrix early;  ///< factor of u[k-past], applied before the next output
+  Matrix last;   ///< factor of u[k-past+1]; the only one if past = 0
 };
 
-/// The law's rows [D C] and [B A] over [x i].
+/// The rows [D C] and [B A] of the law over [x i].
 MatrixXd output_rows(const DiscreteLti& law) {
   MatrixXd rows(law.D.rows(), law.D.cols() + law.A.rows());
   rows << law.D, law.C;
@@ -43,11 +44,12 @@ MatrixXd memory_rows(const DiscreteLti& law) {
   return rows;
 }
 
-/// [x; i; u[k-1] … u[k-past]]⁺, of enclosures.
+/// Computes the enclosed matrix of one period of the closed loop with the states
+/// [x; i; u[k-1] … u[k-past]].
 Enclosure around(const Period<Enclosure>& period, const DiscreteLti& law, int past) {
   const Index nx = period.Phi.rows();
   const Index nu = law.D.rows();
-  const Index now = nx + law.A.rows();  // states beside the past outputs
+  const Index now = nx + law.A.rows();  // number of states other than past outputs
   const Index n = now + past * nu;
   const Enclosure u(output_rows(law));
   Enclosure M(MatrixXd(MatrixXd::Zero(n, n)));
@@ -58,7 +60,7 @@ Enclosure around(const Period<Enclosure>& period, const DiscreteLti& law, int pa
   put(0, 0, period.Phi);
   put(nx, 0, Enclosure(memory_rows(law)));
   if (past <= 1) {
-    // u[k-past+1], or without delay u[k-past], is the law's output now.
+    // u[k-past+1], or without delay u[k-past], is the current output of the law.
     const Enclosure Bu = period.last * u;
     M.mid.topLeftCorner(nx, now) += Bu.mid;
     M.rad.topLeftCorner(nx, now) += Bu.rad + 0x1p-52 * M.mid.topLeftCorner(nx, now).cwiseAbs();
@@ -74,7 +76,7 @@ Enclosure around(const Period<Enclosure>& period, const DiscreteLti& law, int pa
   return M;
 }
 
-/// Likewise, of bounds ≥ 0. `law` counts only where the plant is in between.
+/// The same for matrices of bounds ≥ 0. `with_law` includes the rows of the law itself.
 MatrixXd around(const Period<MatrixXd>& period, const DiscreteLti& law, int past, bool with_law) {
   const Index nx = period.Phi.rows();
   const Index nu = law.D.rows();
@@ -112,7 +114,7 @@ EnclosedPlant plant_at(const UncertainLoop& loop, const VectorXd& numbers) {
   return plant;
 }
 
-/// Bounds of |A| and |B| over the box.
+/// Upper bounds of |A| and |B| over the box.
 struct PlantSize {
   MatrixXd A, B;
 };
@@ -121,15 +123,15 @@ PlantSize plant_size(const UncertainLoop& loop, const EnclosedBox& box) {
   PlantSize size{loop.plant.A.cwiseAbs(), loop.plant.B.cwiseAbs()};
   for (std::size_t j = 0; j < loop.terms.size(); ++j) {
     const auto i = static_cast<Index>(j);
-    const double most = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
+    const double max = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
     const PlantTerm& term = loop.terms[j];
-    if (term.A.size() > 0) size.A += most * term.A.cwiseAbs();
-    if (term.B.size() > 0) size.B += most * term.B.cwiseAbs();
+    if (term.A.size() > 0) size.A += max * term.A.cwiseAbs();
+    if (term.B.size() > 0) size.B += max * term.B.cwiseAbs();
   }
   return {internal::bounded_above(size.A), internal::bounded_above(size.B)};
 }
 
-/// [A B; 0 0], whose exponential holds both parts of a period.
+/// [A B; 0 0]; its exponential contains both matrices of a hold.
 MatrixXd augmented(const MatrixXd& A, const MatrixXd& B) {
   MatrixXd Z = MatrixXd::Zero(A.rows() + B.cols(), A.rows() + B.cols());
   Z.topRows(A.rows()) << A, B;
@@ -176,19 +178,21 @@ void validate(const UncertainLoop& loop, const std::string& where) {
 void validate(const LoopBox& box, const UncertainLoop& loop, const std::string& where) {
   const auto count = static_cast<Index>(loop.terms.size());
   if (box.low.size() != count || box.high.size() != count)
-    throw InvalidInput(where, fmt::format("{} and {} bounds of numbers, expected {} of each",
-                                          box.low.size(), box.high.size(), count));
+    throw InvalidInput(where,
+                       fmt::format("there are {} lower and {} upper bounds, expected {} of each",
+                                   box.low.size(), box.high.size(), count));
   for (Index i = 0; i < count; ++i)
     if (!(box.low(i) <= box.high(i)) || !std::isfinite(box.low(i)) || !std::isfinite(box.high(i)))
-      throw InvalidInput(where, fmt::format("{} is in {} … {}, expected finite bounds in order",
-                                            loop.terms[static_cast<std::size_t>(i)].name,
-                                            box.low(i), box.high(i)));
+      throw InvalidInput(
+          where,
+          fmt::format("{} is in {} … {}, expected finite bounds in increasing order",
+                      loop.terms[static_cast<std::size_t>(i)].name, box.low(i), box.high(i)));
   if (!(box.delay_low >= 0) || !(box.delay_low <= box.delay_high) ||
-      !(box.delay_high <= kMostDelayPeriods * loop.law.dt))
+      !(box.delay_high <= kMaxDelayPeriods * loop.law.dt))
     throw InvalidInput(where,
-                       fmt::format("the delay is in {} … {} s, expected bounds in order, "
-                                   "from 0 to {} periods of {} s",
-                                   box.delay_low, box.delay_high, kMostDelayPeriods, loop.law.dt));
+                       fmt::format("the delay is in {} … {} s, expected bounds in "
+                                   "increasing order from 0 to {} periods of {} s",
+                                   box.delay_low, box.delay_high, kMaxDelayPeriods, loop.law.dt));
 }
 
 MatrixXd closed_loop_matrix(const UncertainLoop& loop, const VectorXd& numbers, double delay) {
@@ -207,7 +211,7 @@ double spectral_radius(const UncertainLoop& loop, const VectorXd& numbers, doubl
 
 namespace internal {
 
-// The interval of `ahead` is widened by what rounding may take from past dt - delay.
+// The interval of `ahead` is widened by the rounding error of past dt - delay.
 std::vector<EnclosedBox> same_states(const LoopBox& box, double dt) {
   std::vector<EnclosedBox> parts;
   if (box.delay_high == 0) return {EnclosedBox{box.low, box.high, 0, 0, 0}};
@@ -232,8 +236,8 @@ Enclosure enclosed_loop(const UncertainLoop& loop, const VectorXd& numbers, doub
   return around({whole.Phi, all - last, last}, loop.law, past);
 }
 
-// ∂²/∂a² ∫₀^a e^(Aτ) dτ B = A e^(Aa) B. Of a number that moves A all of e^([A B; 0 0] t) bends; one
-// that moves B alone bends nothing.
+// ∂²/∂a² ∫₀^a e^(Aτ) dτ B = A e^(Aa) B. A parameter that affects A makes e^([A B; 0 0] t)
+// nonlinear; a parameter that affects only B does not.
 std::vector<MatrixXd> interpolation_errors(const UncertainLoop& loop, const EnclosedBox& box) {
   const Index nx = loop.plant.A.rows();
   const Index nu = loop.plant.B.cols();
@@ -269,10 +273,10 @@ MatrixXd loop_size(const UncertainLoop& loop, const EnclosedBox& box) {
   return around({hold.Phi, all, all}, loop.law, box.past, true);
 }
 
-// With the entries that join two parts times s, a way back has s² at least, and the series of the
-// sizes has no negative coefficient: what it has more at s = 1 than at s = 0 is at most half its
-// curvature at s = 1. Where no output waits, a way may also leave by the plant and return by the
-// law.
+// If the entries that couple two parts are multiplied by s, every path through another part has a
+// factor of at least s². The series of the absolute values has no negative coefficients, so that
+// its increase from s = 0 to s = 1 is at most half its second derivative at s = 1. If there are no
+// past outputs, a path may also leave through the plant and return through the law.
 MatrixXd detour_size(const UncertainLoop& loop, const EnclosedBox& box, const PartNumbers& part) {
   const Index nx = loop.plant.A.rows();
   const Index nu = loop.plant.B.cols();

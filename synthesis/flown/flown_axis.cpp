@@ -42,8 +42,8 @@ Index wrench_of(FlownAxis axis) {
 PeriodicLti axis_part(const FlownPlant& plant, FlownAxis axis) {
   if (plant.plant.inputs != ned_convention().wrench || plant.plant.C.rows() != 12)
     throw InvalidInput(kWhere,
-                       "the plant has other inputs, expected the wrench and the estimates "
-                       "of the 12 states");
+                       "the inputs or outputs of the plant are wrong, expected the wrench "
+                       "and the estimates of the 12 states");
   const Index input = wrench_of(axis);
   const std::vector<Index>& outputs = states_of(axis);
   PeriodicLti part = plant.plant;
@@ -60,11 +60,12 @@ PeriodicLti with_tilt_integral(const PeriodicLti& plant, double rate) {
   constexpr Index kRate = 3;
   validate(plant, kWhere);
   if (plant.B.front().cols() != 1 || plant.C.rows() <= kRate)
-    throw InvalidInput(kWhere, fmt::format("{} inputs and {} outputs, expected a torque, and the "
-                                           "position, the velocity, the tilt and its rate",
-                                           plant.B.front().cols(), plant.C.rows()));
+    throw InvalidInput(kWhere,
+                       fmt::format("the plant has {} inputs and {} outputs, expected 1 "
+                                   "(torque) and at least 4 (position, velocity, tilt, rate)",
+                                   plant.B.front().cols(), plant.C.rows()));
   if (!(rate > 0) || !(rate * plant.dt < 1))
-    throw InvalidInput(kWhere, fmt::format("the tilt's integral has the rate {}, expected 0 to "
+    throw InvalidInput(kWhere, fmt::format("the rate of the tilt integral is {} 1/s, expected 0 to "
                                            "{} 1/s",
                                            rate, 1 / plant.dt));
   const Index nx = plant.A.front().rows(), integral = nx, filter = nx + 1;
@@ -91,8 +92,8 @@ PeriodicLti with_tilt_integral(const PeriodicLti& plant, double rate) {
 
 VectorXd rest_at(const PeriodicLti& plant, Index index) {
   const Index nx = plant.A.front().rows(), ny = plant.C.rows();
-  // A sample on its way is a state in some periods only, so a state at rest repeats with the
-  // clocks: P(N, 0) x = x, and C P(k, 0) x = -e in every period k.
+  // A delayed sample is a state only in some periods. A steady state is therefore periodic:
+  // P(N, 0) x = x, and C P(k, 0) x = -e in every period k.
   const auto N = static_cast<Index>(plant.period());
   MatrixXd M(nx + N * ny, nx);
   VectorXd v = VectorXd::Zero(M.rows());
@@ -111,8 +112,9 @@ OutputFeedbackProblem axis_problem(const PeriodicLti& part, FlownAxis axis,
   const std::vector<Index>& states = states_of(axis);
   const auto count = static_cast<Index>(states.size());
   if (weights.q.size() != count || part.C.rows() != count)
-    throw InvalidInput(kWhere, fmt::format("{} weights came for {} outputs, expected {} of each",
-                                           weights.q.size(), part.C.rows(), count));
+    throw InvalidInput(kWhere,
+                       fmt::format("there are {} weights and {} outputs, expected {} of each",
+                                   weights.q.size(), part.C.rows(), count));
   const double dt = part.dt;
   const Index nx = part.A.front().rows();
   OutputFeedbackProblem problem;

@@ -22,11 +22,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kWidth = 8;  ///< derivatives that are carried at once
+constexpr int kWidth = 8;  ///< derivatives computed at once
 using Jet = ceres::Jet<double, kWidth>;
 using JetVector = Eigen::Matrix<Jet, Eigen::Dynamic, 1>;
 
-/// x' and readings of (x, rotor speeds with lag, speeds told), stacked.
+/// Computes x' and the readings, stacked, from (x, rotor speeds with lag, commanded speeds),
+/// stacked.
 class Equations {
  public:
   explicit Equations(const FlightSetup& setup)
@@ -95,11 +96,11 @@ class Equations {
     if (sensors_.sonar) {
       const SonarSensor& sonar = *sensors_.sonar;
       const T range = height / R_WB(2, 2);
-      if (range >= T(sonar.least_range) && range <= T(sonar.greatest_range))
+      if (range >= T(sonar.min_range) && range <= T(sonar.max_range))
         all(first(Reading::sonar)) = range;
     }
-    if (sensors_.flow && !(height < T(sensors_.flow->least_height)) &&
-        !(height > T(sensors_.flow->greatest_height))) {
+    if (sensors_.flow && !(height < T(sensors_.flow->min_height)) &&
+        !(height > T(sensors_.flow->max_height))) {
       const FlowSensor& flow = *sensors_.flow;
       const int at = first(Reading::flow);
       const auto mean_square = [](double half) { return std::tan(half) * std::tan(half) / 3; };
@@ -140,7 +141,7 @@ VectorXd hover_speeds(const Vehicle& vehicle) {
 
 }  // namespace
 
-MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind inputs) {
+MatrixXd commanded_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind inputs) {
   const Index rotors = speeds.size();
   VectorXd per_thrust(rotors);
   for (Index i = 0; i < rotors; ++i) {
@@ -164,9 +165,9 @@ MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind 
 
 namespace {
 
-/// Puts the speeds of the rotors together by what they do, so that roll, pitch, yaw and thrust have
-/// states of their own: as single speeds they couple axes by what rounding leaves of sums that
-/// cancel.
+/// Replaces the rotor speeds by linear combinations that each affect only thrust, roll, pitch or
+/// yaw. As single speeds they would couple the axes through the rounding errors of sums that should
+/// be 0.
 void part_rotors(FlownBody& body) {
   constexpr Index kFirst = 12, kDown = 8;  // the accelerations of w, p, q, r are rows 8 to 11
   const Index rotors = body.A.rows() - kFirst;
@@ -179,7 +180,7 @@ void part_rotors(FlownBody& body) {
   if (lu.rank() < 4) return;
   MatrixXd S = MatrixXd::Identity(body.A.rows(), body.A.rows());
   S.block(kFirst, kFirst, 4, rotors) = effect;
-  // Changes of speed that do nothing.
+  // Changes of speed without effect on thrust and torques.
   if (rotors > 4) S.bottomRightCorner(rotors - 4, rotors) = lu.kernel().transpose();
   const MatrixXd inverse = S.inverse();
   body.A = (S * body.A * inverse).eval();
@@ -221,7 +222,7 @@ FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) 
   result.B = slopes.topRightCorner(nx, rotors);
   result.C = slopes.bottomLeftCorner(kFrameSize, nx);
   result.D = slopes.bottomRightCorner(kFrameSize, rotors);
-  result.commands = told_speeds(setup.vehicle, result.speeds, inputs);
+  result.commands = commanded_speeds(setup.vehicle, result.speeds, inputs);
   result.states = ned_convention().states;
   for (const int i : equations.lagging())
     result.states.push_back({fmt::format("speed of rotor {}", i + 1), "rad/s"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The continuous part of a flown plant: rigid body and rotors about a hover, and the sensors'
-/// readings of them.
+/// The continuous part of a flown plant: rigid body and rotors about a hover, and the true values
+/// that the sensors measure.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,15 +21,17 @@ struct FlownBody {
   Eigen::VectorXd speeds;    ///< rotor speeds in the hover [rad/s]
   Eigen::MatrixXd commands;  ///< (rotors × inputs): commanded speed per input of the law
   std::vector<Signal> states;  ///< the 12, then the speeds of rotors with lag
-  std::vector<Signal> inputs;  ///< of the law
+  std::vector<Signal> inputs;  ///< inputs of the law
 };
 
+/// Linearizes body, rotors and readings about the hover at `height` [m].
 /// @throws InvalidInput  if either vehicle cannot hover
 [[nodiscard]] FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height);
 
-/// Commanded rotor speeds per input of a law (rotors × inputs) [rad/s per unit of the input].
-/// @param speeds  at which the rotors turn in the hover [rad/s]
-[[nodiscard]] Eigen::MatrixXd told_speeds(const Vehicle& believed, const Eigen::VectorXd& speeds,
-                                          InputKind inputs);
+/// Computes the change of the commanded rotor speeds per input of a law (rotors × inputs) [rad/s
+/// per unit of the input].
+/// @param speeds  rotor speeds in the hover [rad/s]
+[[nodiscard]] Eigen::MatrixXd commanded_speeds(const Vehicle& believed,
+                                               const Eigen::VectorXd& speeds, InputKind inputs);
 
 }  // namespace quadtune::internal

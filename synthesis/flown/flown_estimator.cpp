@@ -21,7 +21,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kEstimatorWidth = 8;  ///< derivatives that are carried at once
+constexpr int kEstimatorWidth = 8;  ///< derivatives computed at once
 using EstimatorJet = ceres::Jet<double, kEstimatorWidth>;
 
 template <class T>
@@ -51,8 +51,8 @@ SensorFrame<T> sensor_frame(const HoverFrame& at, const Eigen::Matrix<T, Eigen::
   return frame;
 }
 
-/// The numbers of a Mambo's estimator that move with the vehicle, one after the other; its
-/// covariances do not, to first order, while the innovations are 0.
+/// Calls f for each number in the state of a Mambo's estimator that depends on the motion of the
+/// vehicle. The covariances do not, to first order, while the innovations are 0.
 /// @param periods  MamboEstimatorSettings::aligned_periods
 template <class T, class Function>
 void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) {
@@ -90,10 +90,10 @@ void each_number(int, UquadFilterState<T>& state, const Function& f) {
   f("force excess", 0, state.force_excess, 0.1);
 }
 
-/// The numbers of the general filter that a later step uses.
+/// Which stored samples of the general filter affect later steps.
 struct GeneralParts {
   int readings = 0;  ///< stored periods of gyroscope and accelerometer
-  int queue = 0;     ///< stored periods of samples that wait for the horizon
+  int queue = 0;     ///< stored periods of samples that are waiting for the horizon
   bool flow = false, range = false, pressure = false, field = false, gps = false, vision = false;
 };
 
@@ -106,8 +106,9 @@ void each_number(const GeneralParts& parts, GeneralFilterState<T>& state, const 
   all("estimated velocity", state.motion.velocity, 0.3);
   for (Index i = 0; i < 3; ++i) f("estimated attitude", i, state.motion.attitude(1 + i), 0.05);
   all("gyro bias", state.gyro_bias, 0.01);
-  // In hover no sensor tells a horizontal bias of the accelerometer from a tilt: the sum of both is
-  // a constant of the motion, which no law can move. The linear model takes the biases as constant.
+  // In hover no sensor can distinguish a horizontal bias of the accelerometer from a tilt: the sum
+  // of both is a constant of the motion that no law can change. The linear model therefore treats
+  // the horizontal biases as constants.
   f("force bias", 2, state.force_bias(2), 0.1);
   if (parts.pressure) f("barometer offset", 0, state.pressure_height, 0.3);
   for (int j = 0; j < parts.readings; ++j) {
@@ -140,7 +141,7 @@ MamboEstimatorState<EstimatorJet> as_jets(const MamboEstimatorState<double>& fro
   to.flow_position = from.flow_position.cast<EstimatorJet>();
   to.position_variance = EstimatorJet(from.position_variance);
   to.echo_height = EstimatorJet(from.echo_height);
-  to.unbelieved_time = EstimatorJet(from.unbelieved_time);
+  to.rejected_time = EstimatorJet(from.rejected_time);
   to.flow = from.flow.cast<EstimatorJet>();
   to.flow_age = EstimatorJet(from.flow_age);
   to.flow_seen = from.flow_seen;
@@ -207,7 +208,7 @@ GeneralFilterState<EstimatorJet> as_jets(const GeneralFilterState<double>& from)
   return to;
 }
 
-/// The estimators behind one face, for doubles and jets.
+/// A common interface to the estimators, for doubles and jets.
 class Mambo {
  public:
   template <class T>
@@ -234,7 +235,7 @@ class Mambo {
       return quadtune::step(jets_, state, frame);
   }
   [[nodiscard]] int kept() const { return settings_.aligned_periods; }
-  /// What must come to rest before the gains are those of a long flight.
+  /// Whether covariance() must converge before the gains are those of a long flight.
   static constexpr bool kSettles = true;
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     VectorXd all(8);
@@ -294,17 +295,17 @@ class General {
   template <class T>
   using State = GeneralFilterState<T>;
 
-  /// @param oldest  age of the oldest sample that is used when it arrives [s]
+  /// @param oldest  maximum age of a sample that is used, on its arrival [s]
   General(const FlightSetup& setup, double dt, double oldest)
       : settings_(general_filter_settings(setup)) {
     settings_.dt = dt;
     validate(settings_, "estimator");
     const int horizon = horizon_periods(settings_);
-    // A period needs the readings of up to two periods before the horizon's, one that is carried
-    // back those of the periods that it goes through.
+    // A period needs the readings of up to two periods before the horizon. A sample that is older
+    // than the horizon is propagated and needs the readings of the periods in between.
     const double before = std::max(0.0, oldest - horizon * dt);
     const int carried =
-        std::min(kMostHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
+        std::min(kMaxHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
     const double fresher = std::min(settings_.gyroscope.lag, settings_.accelerometer.lag);
     parts_.readings = horizon - static_cast<int>(std::floor(fresher / dt + 1e-9)) + 1 + carried;
     parts_.queue = horizon;
@@ -328,8 +329,8 @@ class General {
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     return Eigen::Map<const VectorXd>(state.P.entries.data(), std::ssize(state.P.entries));
   }
-  /// Variances of biases fall for minutes and those of what is not observed grow for ever: the
-  /// gains are those after the longest time, which differ little from any later.
+  /// Variances of biases decrease for minutes, and those of unobserved states grow without bound.
+  /// The gains are therefore taken at the end of the maximum duration; later ones differ little.
   static constexpr bool kSettles = false;
 
  private:
@@ -346,7 +347,7 @@ class Linearizing {
   LinearEstimator run(const StateVector<double>& x,
                       const std::function<HoverFrame(std::size_t)>& frame, std::size_t N,
                       double dt) {
-    constexpr double kLongest = 100;  // [s]
+    constexpr double kMax = 100;  // [s]
     constexpr double kSettled = 1e-9;
     auto state = estimator_.start(x);
     LinearEstimator result;
@@ -357,16 +358,16 @@ class Linearizing {
           result.scale.conservativeResize(std::ssize(result.states));
           result.scale(std::ssize(result.states) - 1) = scale;
         });
-    // From one round of the clocks to the next until nothing changes.
-    const auto rounds = static_cast<std::size_t>(
-        std::max(2.0, std::ceil(kLongest / (dt * static_cast<double>(N)))));
-    std::size_t k = N;  // where the clocks are as they will be
+    // Advance by whole periods of the clocks until the covariances no longer change.
+    const auto rounds =
+        static_cast<std::size_t>(std::max(2.0, std::ceil(kMax / (dt * static_cast<double>(N)))));
+    std::size_t k = N;  // a whole number of periods of the clocks
     VectorXd before;
     result.settled = false;
     for (std::size_t round = 0; round < rounds && !result.settled; ++round) {
       for (const std::size_t end = k + N; k < end; ++k) advance(state, frame(k));
       const VectorXd now = Estimator::covariance(state);
-      // Each entry by itself: a variance that nothing bounds grows and bothers nobody.
+      // Compare each entry relative to its own size; an unbounded variance does not matter then.
       result.settled =
           Estimator::kSettles && round > 0 &&
           ((now - before).array().abs() <= kSettled * (now.array().abs() + 1e-30)).all();
@@ -456,10 +457,10 @@ LinearEstimator linear_estimator(const FlightSetup& setup, double dt, const Vect
                                  const std::function<HoverFrame(std::size_t)>& frame,
                                  std::size_t N) {
   if (setup.estimator == EstimatorKind::own)
-    throw InvalidInput(
-        "flown loop", fmt::format("the estimator '{}' has no linear model, expected one that comes "
-                                  "with quadtune",
-                                  setup.own_estimator.name));
+    throw InvalidInput("flown loop",
+                       fmt::format("the estimator '{}' has no linear model, expected one of the "
+                                   "built-in estimators",
+                                   setup.own_estimator.name));
   if (setup.estimator == EstimatorKind::uquad) {
     const Uquad uquad(setup, dt);
     return Linearizing<Uquad>(uquad, values, speeds).run(x, frame, N, dt);
@@ -480,7 +481,7 @@ LinearEstimator linear_estimator(const FlightSetup& setup, double dt, const Vect
     if (sensors.flow) consider(sensors.flow->faults);
     if (sensors.gps) consider(sensors.gps->position);
     const General general(setup, dt, oldest);
-    // The filter undoes the scale factors: it is given the readings with them.
+    // The filter corrects the scale factors, so its input are readings that contain them.
     VectorXd read = values;
     const auto scale = [&](Reading reading, const SensorFaults& faults) {
       const auto i = static_cast<std::size_t>(reading);

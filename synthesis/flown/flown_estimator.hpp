@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The estimators as they run on board, linearized about a hover.
+/// The on-board estimators, linearized about a hover.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ inline constexpr int kFrameSize = 22;
 /// Whether the estimator uses a sensor.
 [[nodiscard]] bool reads(const FlightSetup& setup, Reading reading);
 
-/// Which sensors have a new sample in a control period of a hover, and the age of each.
+/// Which sensors have a new sample in a control period of a hover, and the age of each sample.
 struct HoverFrame {
   std::array<bool, kReadings> fresh{};
   std::array<double, kReadings> age{};  ///< [s]
@@ -48,12 +48,13 @@ struct EstimatorStep {
 
 struct LinearEstimator {
   std::vector<Signal> states;
-  Eigen::VectorXd scale;             ///< a typical size of each state, to compare them by
+  Eigen::VectorXd scale;             ///< typical magnitude of each state, for comparisons
   std::vector<EstimatorStep> steps;  ///< N steps; the first is that of control period `first`
-  std::size_t first = 0;             ///< periods until its covariances settled, a multiple of N
-  bool settled = true;               ///< whether the covariances settled
+  std::size_t first = 0;             ///< periods until the covariances converged, a multiple of N
+  bool settled = true;               ///< whether the covariances converged
 };
 
+/// Computes the Jacobians of the estimator of a setup after its covariances have converged.
 /// @param setup   with an estimator other than truth
 /// @param dt      control period [s]
 /// @param values  readings in the hover, kFrameSize; NaN for a sensor that is not used

@@ -8,7 +8,7 @@ namespace {
 
 ReadingNoise noise_of(const SensorFaults& faults) {
   ReadingNoise noise;
-  // A quantum q adds an error that is uniform over ±q/2, of variance q²/12.
+  // Quantization by q adds an error that is uniformly distributed over ±q/2, with variance q²/12.
   const double rounding = faults.quantum * faults.quantum / 12;
   noise.white = (faults.noise.array().square() + rounding).sqrt();
   noise.walk = faults.bias_walk;

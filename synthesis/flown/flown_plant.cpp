@@ -38,8 +38,9 @@ using internal::LinearEstimator;
 using internal::Reading;
 
 constexpr const char* kPlantWhere = "flown plant";
-constexpr std::size_t kLongestRound = 1000;  ///< [control periods]
-/// Into so many parts a clock is rounded that does not repeat with the others within that.
+constexpr std::size_t kMaxRound = 1000;  ///< [control periods]
+/// If a clock does not repeat with the others within kMaxRound, its samples per control period
+/// are rounded to a multiple of 1/kRounding.
 constexpr double kRounding = 1000;
 constexpr double kSlack = SampleClock::kSlack;
 
@@ -47,24 +48,25 @@ constexpr std::array<const char*, kReadings> kReadingNames = {
     "accelerometer", "gyroscope", "magnetometer", "barometer", "sonar",
     "flow",          "GPS",       "GPS velocity", "vision"};
 
-/// One sensor's clock and dynamics, and where its states stand.
+/// Clock and dynamics of one sensor, and the indices of its states.
 struct Channel {
   Reading reading{};
   double rate = 0;   ///< [Hz]
   double delay = 0;  ///< [s]
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   std::optional<SampledResponse> response;
-  Index response_at = 0;  ///< y, y' and the last truth of each axis
-  Index pending_at = 0;   ///< samples on their way, the oldest first
-  Index slots = 0;        ///< how many
+  Index response_at = 0;  ///< y, y' and the last true value of each axis
+  Index pending_at = 0;   ///< delayed samples, the oldest first
+  Index slots = 0;        ///< number of delayed samples
   internal::ReadingNoise noise;
   Index drift_at = 0;  ///< states of the random walk, then of the correlated error, of each axis
-  Index white_at = 0;  ///< columns of w: of the first sample of a control period, then the next
-  Index slow_at = 0;   ///< columns of w: of the random walk, then of the correlated error
+  Index white_at = 0;  ///< columns of w: first sample of a control period, then the next
+  Index slow_at = 0;   ///< columns of w: random walk, then correlated error
 
   [[nodiscard]] Index size() const { return kReadingSize[static_cast<std::size_t>(reading)]; }
   [[nodiscard]] Index first() const { return kReadingFirst[static_cast<std::size_t>(reading)]; }
-  /// The newest sample taken, and the newest that has arrived, by the instant t.
+  /// Index of the newest sample taken by the time t; arrived(): index of the newest that has
+  /// arrived.
   [[nodiscard]] long taken(double t) const {
     return static_cast<long>(std::floor((t + kSlack) * rate));
   }
@@ -102,20 +104,20 @@ std::optional<SensorFaults> faults_of(const Sensors& sensors, Reading reading) {
   return sensors.vision;
 }
 
-/// After how many control periods a clock is where it was: the least q with q·r whole, 0 if none.
+/// The period of a clock in control periods: the smallest q with integer q·r, 0 if there is none.
 std::size_t round_of(double samples_per_period) {
-  for (std::size_t q = 1; q <= kLongestRound; ++q) {
+  for (std::size_t q = 1; q <= kMaxRound; ++q) {
     const double turns = static_cast<double>(q) * samples_per_period;
     if (std::abs(turns - std::round(turns)) < 1e-9 * std::max(1.0, turns) && turns > 0.5) return q;
   }
   return 0;
 }
 
-/// e^(Ah) and ∫ e^(Aτ) dτ B, kept for each h. Instants carry rounding: h is taken to 2^-46 s, so
-/// that a result depends on h alone and not on which one came first.
+/// Caches e^(Ah) and ∫ e^(Aτ) dτ B for each h. Since times contain rounding errors, h is rounded to
+/// 2^-46 s, so that a result depends on h only and not on the order of the calls.
 class Holds {
  public:
-  /// @param exact  times h that are taken as they are
+  /// @param exact  times h that are not rounded
   Holds(const MatrixXd& A, const MatrixXd& B, std::initializer_list<double> exact) : A_(A), B_(B) {
     for (const double h : exact) keep(key_of(h), h);
   }
@@ -158,7 +160,7 @@ class Assembly {
       estimator_ = internal::linear_estimator(
           setup, options.dt, body_.readings, body_.x, body_.speeds,
           [this](std::size_t k) { return frame(k); }, period_);
-    // Long after the start, when what was on its way then has come.
+    // Long after the start, when all samples from the start have arrived.
     first_ = estimator_.steps.empty() ? period_ * (1 + 50 / period_) : estimator_.first;
     lay_out();
   }
@@ -214,23 +216,23 @@ class Assembly {
     };
     if (any([](const Rotor& rotor) { return rotor.lag != lag_down(rotor); }))
       notes_.emplace_back(
-          "the rotors' speeds rise and fall with different lags; the model has the slower one for "
+          "the rotors spin up and down with different lags; the model uses the slower one for "
           "both directions");
     if (vehicle.motor.delay_jitter > 0)
       notes_.push_back(fmt::format(
-          "the commands' jitter of up to {:.6g} s is in the model as its mean, {:.6g} s",
+          "the jitter of the commands of up to {:.6g} s is modeled by its mean, {:.6g} s",
           vehicle.motor.delay_jitter, 0.5 * vehicle.motor.delay_jitter));
     const auto effect = [&](const Rotor& rotor) {
       return rotor.ground_effect ? ground_effect(rotor.radius, options_.height) - 1 : 0;
     };
-    double most = 0;
-    for (const Rotor& rotor : vehicle.rotors) most = std::max(most, effect(rotor));
+    double max = 0;
+    for (const Rotor& rotor : vehicle.rotors) max = std::max(max, effect(rotor));
     constexpr double kMatters = 1e-3;
-    if (most > kMatters)
+    if (max > kMatters)
       notes_.push_back(fmt::format(
-          "the model leaves the ground effect out; at a height of {:.6g} m it adds {:.2g} % of "
+          "the model omits the ground effect; at a height of {:.6g} m it adds {:.2g} % of "
           "thrust",
-          options_.height, 100 * most));
+          options_.height, 100 * max));
   }
 
   void add_channels(const FlightSetup& setup) {
@@ -240,12 +242,12 @@ class Assembly {
       if (!internal::reads(setup, reading)) continue;
       const std::optional<SensorFaults> faults = faults_of(sensors, reading);
       if (!faults || std::isnan(body_.readings(kReadingFirst[i]))) continue;
-      if (faults->delay > kMostDelayPeriods * options_.dt * (1 + 1e-9))
+      if (faults->delay > kMaxDelayPeriods * options_.dt * (1 + 1e-9))
         throw InvalidInput(
             kPlantWhere,
-            fmt::format("the {} is {} s late, expected at most {} control "
-                        "periods of {} s",
-                        kReadingNames[i], faults->delay, kMostDelayPeriods, options_.dt));
+            fmt::format("the {} has a delay of {} s, expected at most {} "
+                        "control periods of {} s",
+                        kReadingNames[i], faults->delay, kMaxDelayPeriods, options_.dt));
       Channel channel;
       channel.reading = reading;
       channel.rate = faults->rate;
@@ -261,11 +263,11 @@ class Assembly {
     for (Channel& channel : channels_) {
       const double samples = channel.rate * options_.dt;
       std::size_t round = round_of(samples);
-      if (round == 0 || std::lcm(period_, round) > kLongestRound) {
+      if (round == 0 || std::lcm(period_, round) > kMaxRound) {
         const double parts = std::max(1.0, std::round(samples * kRounding));
         channel.rate = parts / (kRounding * options_.dt);
         notes_.push_back(fmt::format(
-            "the {} samples every {:.6g} s, taken as every {:.6g} s so that the clocks repeat",
+            "the {} samples every {:.6g} s; the model uses {:.6g} s so that the clocks repeat",
             kReadingNames[static_cast<std::size_t>(channel.reading)], options_.dt / samples,
             1 / channel.rate));
         round = round_of(channel.rate * options_.dt);
@@ -274,7 +276,7 @@ class Assembly {
     }
   }
 
-  /// What the estimator finds in control period k.
+  /// The new samples of the estimator in control period k.
   [[nodiscard]] HoverFrame frame(std::size_t k) const {
     HoverFrame at;
     for (const Channel& channel : channels_) {
@@ -319,10 +321,10 @@ class Assembly {
       channel.drift_at = std::ssize(states_);
       channel.white_at = nw_;
       if (!options_.noise) continue;
-      long most = 0;
+      long max = 0;
       for (std::size_t k = first_; k < first_ + period_; ++k)
-        most = std::max(most, channel.taken(time(k + 1)) - channel.taken(time(k)));
-      channel.slow_at = channel.white_at + most * channel.size();
+        max = std::max(max, channel.taken(time(k + 1)) - channel.taken(time(k)));
+      channel.slow_at = channel.white_at + max * channel.size();
       nw_ = channel.slow_at + 2 * channel.size();
       for (const char* error : {" random walk", " correlated error"})
         for (Index axis = 0; axis < channel.size(); ++axis) add(name + error, 1);
@@ -336,10 +338,10 @@ class Assembly {
     scale_ = Eigen::Map<const VectorXd>(scales_.data(), nz_);
   }
 
-  /// Of rows over (z, u, w).
+  /// Number of columns over (z, u, w).
   [[nodiscard]] Index width() const { return nz_ + nu_ + nw_; }
 
-  /// The variances of z long after the start, as far as they are the sensors' own.
+  /// The stationary variances of the sensor errors in z; 0 for all other states.
   [[nodiscard]] VectorXd noise_start() const {
     VectorXd variance = VectorXd::Zero(nz_);
     for (const Channel& channel : channels_)
@@ -348,8 +350,8 @@ class Assembly {
     return variance;
   }
 
-  /// What a sample of a period has in addition to the truth.
-  /// @param i  of those taken in the period, from 0 on
+  /// Adds the noise of a sample to its true value.
+  /// @param i  index of the sample among those taken in the control period
   void add_noise(const Channel& channel, Index i, MatrixXd& sample) const {
     if (!options_.noise) return;
     for (Index axis = 0; axis < channel.size(); ++axis) {
@@ -374,7 +376,7 @@ class Assembly {
     }
   }
 
-  /// The law's input of j periods ago, as rows over (z, u, w).
+  /// The input from the law j periods ago, as rows over (z, u, w).
   [[nodiscard]] MatrixXd input(Index j) const {
     MatrixXd rows = MatrixXd::Zero(nu_, width());
     if (j == 0)
@@ -384,7 +386,7 @@ class Assembly {
     return rows;
   }
 
-  /// One control period from instant k to k + 1: rows of z[k+1] over (z[k], u[k], w[k]).
+  /// One control period from step k to k + 1: rows of z[k+1] over (z[k], u[k], w[k]).
   [[nodiscard]] MatrixXd step(std::size_t k, Holds& holds) const {
     MatrixXd next = MatrixXd::Zero(nz_, width());
     const MatrixXd late = body_.commands * input(part_ > 0 ? whole_ + 1 : whole_);
@@ -441,12 +443,12 @@ class Assembly {
     return next;
   }
 
-  /// What rounding leaves of axes that do not know of one another: nothing.
+  /// Sets entries that are only rounding errors to 0, so that decoupled axes are exactly decoupled.
   void drop_rounding(MatrixXd& rows) const {
     constexpr double kRoundingOnly = 1e-13;
     VectorXd size(width());
     size.head(nz_) = scale_;
-    // An input's size is what moves some state by as much as counts.
+    // The magnitude of an input is that which changes some state by its typical magnitude.
     for (Index j = nz_; j < width(); ++j)
       size(j) = 1 / rows.col(j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
     for (Index j = 0; j < rows.cols(); ++j)
@@ -454,7 +456,7 @@ class Assembly {
         if (std::abs(rows(i, j)) * size(j) <= kRoundingOnly * scale_(i)) rows(i, j) = 0;
   }
 
-  /// The samples that are on their way at instant k, the oldest first.
+  /// The samples that have not arrived at step k, the oldest first.
   [[nodiscard]] std::vector<MatrixXd> pending(const Channel& channel, std::size_t k) const {
     const long count = channel.taken(time(k)) - channel.arrived(time(k));
     std::vector<MatrixXd> all;
@@ -466,7 +468,7 @@ class Assembly {
     return all;
   }
 
-  /// @param truth  becomes what the response makes of it
+  /// @param truth  in: the true value, out: the output of the sensor's response
   static void respond(const SampledResponse& r, MatrixXd& truth, MatrixXd& state) {
     for (Index axis = 0; axis < truth.rows(); ++axis) {
       const Eigen::RowVectorXd now = truth.row(axis);
@@ -491,7 +493,7 @@ class Assembly {
   VectorXd scale_;
   Index nz_ = 0, nu_ = 0, nw_ = 0;
   Index history_at_ = 0, history_ = 0, whole_ = 0, estimator_at_ = 0, believed_at_ = 0;
-  double part_ = 0;  ///< of a control period by which commands are late [s]
+  double part_ = 0;  ///< fraction of a control period in the command delay [s]
 };
 
 void require(bool good, const std::string& came, const std::string& expected) {
@@ -502,8 +504,8 @@ void require(bool good, const std::string& came, const std::string& expected) {
 
 namespace {
 
-/// Whether satellite fixes are too slow to matter beside optical flow. A clock of 1 Hz makes the
-/// period of the plant 200 control periods of 5 ms long.
+/// Whether satellite fixes are too slow to matter in addition to optical flow. With a clock of 1
+/// Hz, the matrices of the plant would repeat only after 200 control periods of 5 ms.
 bool flies_by_flow(const FlightSetup& setup, double height) {
   constexpr double kSlow = 5;  // [Hz]
   Sensors sensors = sensors_of(setup);
@@ -511,8 +513,8 @@ bool flies_by_flow(const FlightSetup& setup, double height) {
       !(sensors.gps->position.rate < kSlow))
     return false;
   sensors.gps.reset();
-  return general_filter_lacks(sensors).empty() && height >= sensors.flow->least_height &&
-         height <= sensors.flow->greatest_height;
+  return general_filter_lacks(sensors).empty() && height >= sensors.flow->min_height &&
+         height <= sensors.flow->max_height;
 }
 
 }  // namespace
@@ -523,10 +525,10 @@ FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& option
   require(options.height > 0 && std::isfinite(options.height),
           fmt::format("the height is {} m", options.height), "a positive number");
   const auto short_enough = [&](double delay) {
-    return delay >= 0 && delay <= kMostDelayPeriods * options.dt * (1 + 1e-9);
+    return delay >= 0 && delay <= kMaxDelayPeriods * options.dt * (1 + 1e-9);
   };
   const std::string allowed =
-      fmt::format("0 to {} control periods of {} s", kMostDelayPeriods, options.dt);
+      fmt::format("0 to {} control periods of {} s", kMaxDelayPeriods, options.dt);
   require(short_enough(options.command_delay),
           fmt::format("the command delay is {} s", options.command_delay), allowed);
   const MotorCommand& motor = flown_vehicle(setup).motor;
@@ -543,7 +545,7 @@ FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& option
   if (by_flow.flown) by_flow.flown->sensors.gps.reset();
   FlownPlant result = Assembly(by_flow, with_own).make();
   result.notes.emplace_back(
-      "satellite fixes below 5 Hz are left out: optical flow holds the vehicle, and they correct "
+      "satellite fixes below 5 Hz are omitted: optical flow holds the vehicle, and they correct "
       "the "
       "position over many seconds");
   return result;

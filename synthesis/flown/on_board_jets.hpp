@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ceres jets as a scalar of the on-board code (scalar.hpp), which makes its exact derivatives
-/// available. Private to this folder: no public header includes Ceres.
+/// Allows Ceres jets as the scalar type of the on-board code (scalar.hpp), to compute its exact
+/// derivatives. Private to this folder: no public header includes Ceres.
 #pragma once
 
 #include <ceres/jet.h>
 
 #include <cmath>
 
-// Found by argument-dependent lookup, hence where jets are.
+// In the namespace of the jets, so that argument-dependent lookup finds the functions.
 namespace ceres {
 
 template <class T, int N>
@@ -15,11 +15,11 @@ template <class T, int N>
   return mask ? a : b;
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> lesser(const Jet<T, N>& a, const Jet<T, N>& b) {
+[[nodiscard]] Jet<T, N> min_of(const Jet<T, N>& a, const Jet<T, N>& b) {
   return a.a < b.a ? a : b;
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> greater(const Jet<T, N>& a, const Jet<T, N>& b) {
+[[nodiscard]] Jet<T, N> max_of(const Jet<T, N>& a, const Jet<T, N>& b) {
   return a.a > b.a ? a : b;
 }
 template <class T, int N>
@@ -27,7 +27,7 @@ template <class T, int N>
   return std::isfinite(x.a) && x.v.allFinite();
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> magnitude(const Jet<T, N>& x) {
+[[nodiscard]] Jet<T, N> abs_of(const Jet<T, N>& x) {
   return x.a < 0 ? Jet<T, N>(-x) : x;
 }
 template <class T, int N>

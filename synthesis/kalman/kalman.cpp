@@ -13,18 +13,19 @@
 namespace quadtune {
 namespace {
 
-/// The noise seen through G: W = G Q Gᵀ and the cross term G N.
+/// The process noise mapped to the states by G: W = G Q Gᵀ and the cross term G N.
 struct StateNoise {
   Eigen::MatrixXd W;   // (nx × nx)
   Eigen::MatrixXd GN;  // (nx × ny), or empty
 };
 
-/// Refuses noises that are correlated more than fully.
+/// Rejects an indefinite joint covariance of w and v.
 void require_covariance(const KalmanNoise& noise) {
   const Eigen::Index nw = noise.Q.rows();
   Eigen::MatrixXd joint(nw + noise.R.rows(), nw + noise.R.rows());
   joint << noise.Q, noise.N, noise.N.transpose(), noise.R;
-  // As correlations, so that neither unit hides the other. A noise of 0 has none with another.
+  // Check the correlation matrix, so that different units do not matter. A noise with zero variance
+  // is uncorrelated with all others.
   Eigen::VectorXd units = joint.diagonal();
   for (Eigen::Index i = 0; i < units.size(); ++i) {
     const double size = units(i) > 0 ? std::sqrt(units(i)) : joint.row(i).cwiseAbs().maxCoeff();
@@ -32,15 +33,15 @@ void require_covariance(const KalmanNoise& noise) {
   }
   const Eigen::MatrixXd correlations = units.asDiagonal() * joint * units.asDiagonal();
   constexpr double kTyped = 1e-9;  // as 0.3333333333 for a third
-  const double least =
+  const double min =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations, Eigen::EigenvaluesOnly)
           .eigenvalues()
           .minCoeff();
-  if (least >= -kTyped) return;
+  if (min >= -kTyped) return;
   throw InvalidInput(
-      "kalman", fmt::format("[Q N; N' R] has an eigenvalue below 0 ({:.3g} of noises of variance "
-                            "1), expected all >= 0 because it is the covariance of w and v",
-                            least));
+      "kalman", fmt::format("[Q N; N' R] is indefinite: its correlation matrix has the eigenvalue "
+                            "{:.3g}, expected all >= 0 because it is the covariance of w and v",
+                            min));
 }
 
 template <class Lti>
@@ -69,11 +70,11 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   require_symmetric(noise.Q, where, "Q");
   require_symmetric(noise.R, where, "R");
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(noise.Q, Eigen::EigenvaluesOnly);
-  const double least = eigen.eigenvalues().minCoeff();
-  if (least < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
-    throw InvalidInput(where, fmt::format("Q has eigenvalue {:.6g}, expected Q >= 0 because it is "
-                                          "a covariance",
-                                          least));
+  const double min = eigen.eigenvalues().minCoeff();
+  if (min < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
+    throw InvalidInput(where, fmt::format("Q has the eigenvalue {:.6g}, expected Q >= 0 because it "
+                                          "is a covariance",
+                                          min));
   if (noise.N.size()) require_covariance(noise);
   StateNoise mapped;
   mapped.W = G * noise.Q * G.transpose();
@@ -91,7 +92,7 @@ RiccatiOptions filter_options(const Lti& model) {
   return options;
 }
 
-/// Steering and seeing change places with A and Aᵀ.
+/// Controllability of (Aᵀ, Cᵀ) is observability of (A, C), and vice versa.
 RiccatiStatus filter_status(RiccatiStatus dual) {
   switch (dual) {
     case RiccatiStatus::not_stabilizable:
@@ -151,8 +152,8 @@ KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise
   const StateNoise mapped = check_and_map(model, noise);
   if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
     throw InvalidInput("kalman",
-                       "N is not zero, expected none with --sampled because white noise "
-                       "held over a sample has no cross term of its own");
+                       "N is not zero, expected no N with --sampled because white noise "
+                       "that is held over a sample has no cross term");
   const SampledNoise sampled = sampled_noise(model.A, mapped.W, dt);
   DiscreteLti discrete;
   discrete.A = sampled.A;

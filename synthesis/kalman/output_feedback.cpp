@@ -17,12 +17,12 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using std::size_t;
-/// Stored by rows, so that a product adds up whole rows.
+/// Row-major storage, so that products accumulate whole rows.
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr const char* kWhere = "output feedback";
 
-/// A matrix by which others are multiplied, entry by entry if most of its entries are 0.
+/// A matrix that multiplies others, entry by entry if most of its entries are 0.
 class Factor {
  public:
   explicit Factor(MatrixXd A) : A_(std::move(A)) {
@@ -67,14 +67,14 @@ class Factor {
   std::vector<std::pair<Index, Index>> entries_;
 };
 
-/// X with X = ΦᵀXΦ + V, as the limit of X ← X + ΦᵀXΦ, Φ ← Φ² (Smith 1968). Converges if and only if
-/// all eigenvalues of Φ lie inside the unit circle.
+/// Solves X = ΦᵀXΦ + V, given X = V, by iterating X ← X + ΦᵀXΦ, Φ ← Φ² (Smith 1968). It converges
+/// if and only if all eigenvalues of Φ lie inside the unit circle.
 /// @return  whether it converged
 bool smith(MatrixXd Phi, MatrixXd& X) {
-  constexpr int kMostDoublings = 40;  // 2^40 rounds
+  constexpr int kMaxDoublings = 40;  // 2^40 periods
   constexpr double kConverged = 1e-15;
   MatrixXd half(Phi.rows(), Phi.cols()), added(Phi.rows(), Phi.cols());
-  for (int i = 0; i < kMostDoublings; ++i) {
+  for (int i = 0; i < kMaxDoublings; ++i) {
     half.noalias() = X * Phi;
     added.noalias() = Phi.transpose() * half;
     const double size = X.diagonal().cwiseAbs().sum();
@@ -83,7 +83,7 @@ bool smith(MatrixXd Phi, MatrixXd& X) {
     X += added;
     half.noalias() = Phi * Phi;
     Phi.swap(half);
-    // Of a marginally stable Φ that the cost does not see, the powers do not vanish either.
+    // The powers of Φ must vanish too: a marginally stable mode may be unobservable in the cost.
     if (change <= kConverged * size && Phi.cwiseAbs().maxCoeff() < 1e-3) return true;
   }
   return false;
@@ -114,13 +114,13 @@ OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem, co
   const MatrixXd K = F * plant.C;
   const MatrixXd RK = problem.R * K;
   const Rows Q = problem.Q + K.transpose() * RK;
-  // Most states of a flown plant are samples on their way, which only move on: few entries of A are
-  // not 0, and products with them cost little. A symmetric S gives A S Aᵀ = A (A S)ᵀ.
+  // Most states of a flown plant are delayed samples, which only shift: few entries of A are not 0,
+  // and sparse products with them are cheap. A symmetric S gives A S Aᵀ = A (A S)ᵀ.
   std::vector<Factor> A;
   A.reserve(N);
   for (size_t k = 0; k < N; ++k) A.emplace_back(plant.A[k] - plant.B[k] * K);
   Rows half(nx, nx), turned(nx, nx), next(nx, nx);
-  // Over one round: Φ = A[N-1] … A[0], X = Q + A[0]ᵀ(Q + A[1]ᵀ(… Q …)A[1])A[0].
+  // Over one period: Φ = A[N-1] … A[0], X = Q + A[0]ᵀ(Q + A[1]ᵀ(… Q …)A[1])A[0].
   Rows Phi = plant.A[0] - plant.B[0] * K, X = Q;
   for (size_t k = 1; k < N; ++k) {
     A[k].times(Phi, next);
@@ -168,8 +168,9 @@ PeriodicLti with_integrals(const PeriodicLti& plant, const std::vector<Index>& o
   for (Index j = 0; j < ni; ++j) {
     const Index output = outputs[static_cast<size_t>(j)];
     if (output < 0 || output >= ny)
-      throw InvalidInput(kWhere,
-                         fmt::format("output {} to integrate, expected 0 to {}", output, ny - 1));
+      throw InvalidInput(
+          kWhere, fmt::format("output {} cannot be integrated, expected an index from 0 to {}",
+                              output, ny - 1));
     integrated.row(j) = plant.C.row(output);
     const auto name = [&](const std::vector<Signal>& of) {
       return of.empty() ? Signal{} : of[static_cast<size_t>(output)];

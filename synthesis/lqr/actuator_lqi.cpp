@@ -19,15 +19,15 @@ using Eigen::VectorXd;
 
 constexpr const char* kWhere = "actuator LQI";
 
-/// Of each input; empty if no rotor lags.
+/// The lag of each input; empty if no rotor lags.
 VectorXd lags(const Vehicle& vehicle, InputKind inputs) {
   const Index n = std::ssize(vehicle.rotors);
   VectorXd lag(n);
   for (Index i = 0; i < n; ++i) lag(i) = slower_lag(vehicle.rotors[static_cast<std::size_t>(i)]);
   if (lag.isZero(0)) return {};
   if (!(lag.minCoeff() > 0))
-    throw InvalidInput(kWhere, fmt::format("'{}' has rotors with and without lag, expected that "
-                                           "all or none lag",
+    throw InvalidInput(kWhere, fmt::format("'{}' has rotors with and without lag, expected a "
+                                           "lag of all rotors or of none",
                                            vehicle.name));
   if (inputs == InputKind::wrench) return VectorXd::Constant(4, lag.mean());
   return lag;
@@ -35,7 +35,7 @@ VectorXd lags(const Vehicle& vehicle, InputKind inputs) {
 
 /// Torque about the yaw axis per rate of change of each actuator's state, -Σ s_i J_i ∂w_i/∂u.
 Eigen::RowVectorXd reaction(const Vehicle& vehicle, const VectorXd& speeds, InputKind inputs) {
-  const MatrixXd E = internal::told_speeds(vehicle, speeds, inputs);
+  const MatrixXd E = internal::commanded_speeds(vehicle, speeds, inputs);
   Eigen::RowVectorXd torque = Eigen::RowVectorXd::Zero(E.cols());
   for (Index i = 0; i < E.rows(); ++i) {
     const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
@@ -58,7 +58,7 @@ std::vector<Index> integrated_states(const ActuatorLqiOptions& options) {
     const auto found = std::find_if(states.begin(), states.end(),
                                     [&](const Signal& state) { return state.name == name; });
     if (found == states.end())
-      throw InvalidInput(kWhere, fmt::format("no state '{}' to integrate, expected some of: {}",
+      throw InvalidInput(kWhere, fmt::format("no state '{}' to integrate, expected one of: {}",
                                              name, names(states)));
     if (std::find(at.begin(), at.end(), found - states.begin()) != at.end())
       throw InvalidInput(kWhere,
@@ -71,9 +71,9 @@ std::vector<Index> integrated_states(const ActuatorLqiOptions& options) {
 void require(const ActuatorLqiWeights& weights, const ActuatorLqiOptions& options, Index nu) {
   if (!(options.dt > 0) || !std::isfinite(options.dt))
     throw InvalidInput(kWhere, fmt::format("dt is {} s, expected a positive period", options.dt));
-  if (options.past < 0 || options.past > kMostPastCommands)
+  if (options.past < 0 || options.past > kMaxPastCommands)
     throw InvalidInput(kWhere, fmt::format("past is {}, expected 0 to {} control periods",
-                                           options.past, kMostPastCommands));
+                                           options.past, kMaxPastCommands));
   const Index ni = std::ssize(options.integrals);
   require_shape(weights.Q, 12, 12, kWhere, "Q", "one row and column per state");
   require_shape(weights.R, nu, nu, kWhere, "R", "one row and column per input");
@@ -85,8 +85,8 @@ void require(const ActuatorLqiWeights& weights, const ActuatorLqiOptions& option
   if (weights.R_change.size() == 0) return;
   if (options.past < 1)
     throw InvalidInput(kWhere,
-                       "R_change came with past 0, expected past of at least 1 because the "
-                       "law must know its last command");
+                       "R_change is given but past is 0, expected past >= 1 because the law "
+                       "needs its last command");
   require_shape(weights.R_change, nu, nu, kWhere, "R_change", "one row and column per input");
   require_symmetric(weights.R_change, kWhere, "R_change");
 }
@@ -115,8 +115,8 @@ SampledLqr augmented(const ActuatorModel& model, const ActuatorLqiWeights& weigh
     w.R = body.weights.R;
     w.N.topRows(at.nx) = body.weights.N;
   } else {
-    // The oldest command acts now. The cost of the commands themselves may be counted when they
-    // are given: the sum is the same but for what was given before the start.
+    // The oldest command acts now. The cost of a command is counted when it is computed: the sum
+    // differs only by the cost of the commands from before the start.
     const Index oldest = at.past_at() + (at.past - 1) * at.nu;
     all.plant.A.block(0, oldest, at.nx, at.nu) = body.plant.B;
     for (Index j = 1; j < at.past; ++j)
@@ -160,8 +160,8 @@ Gains gains_of(const Vehicle& vehicle, const ActuatorModel& model,
       if (state.name == name) gains.integrals.push_back({name, state.unit + " s"});
   gains.K = K.leftCols(12);
   gains.K_int = K.middleCols(at.integrals_at(), at.ni);
-  // The law advances its integral before it acts, i[k+1] = i[k] + dt x[k]: what x[k] has added to
-  // it already must not count twice.
+  // The law advances its integral before it uses it, i[k+1] = i[k] + dt x[k], so that the
+  // contribution of x[k] to the integral must not be counted twice.
   const std::vector<Index> integrated = integrated_states(options);
   for (Index i = 0; i < at.ni; ++i)
     gains.K.col(integrated[static_cast<std::size_t>(i)]) -= options.dt * gains.K_int.col(i);
@@ -177,7 +177,8 @@ Gains gains_of(const Vehicle& vehicle, const ActuatorModel& model,
   CommandMemory memory;
   memory.past = static_cast<int>(at.past);
   memory.K_past = K.middleCols(at.past_at(), at.past * at.nu);
-  // Without lag the actuator is its command; a memory must have some lag, which is then not used.
+  // Without lag the actuator state equals its command. CommandMemory requires a lag, which is then
+  // not used.
   const bool lagging = model.lag.size() > 0;
   memory.lag = lagging ? model.lag : VectorXd::Constant(at.nu, options.dt);
   memory.K_lag = lagging ? MatrixXd(K.middleCols(12, at.nu)) : MatrixXd::Zero(at.nu, at.nu);
@@ -198,7 +199,7 @@ ActuatorModel actuator_model(const Vehicle& vehicle, InputKind inputs) {
   model.plant = model.hover.plant;
   model.lag = lags(vehicle, inputs);
   if (model.lag.size() == 0) return model;
-  // ẋ = A x + B m + b ṁ, ṁ = (u - m)/lag, b the reaction torque of rotors that speed up.
+  // ẋ = A x + B m + b ṁ, ṁ = (u - m)/lag, where b is the reaction torque of accelerating rotors.
   options.inputs = InputKind::wrench;
   const Linearization wrench = linearize(vehicle, model.hover.trim, options);
   const MatrixXd b = wrench.plant.B.col(3) * reaction(vehicle, model.hover.trim.u, inputs);

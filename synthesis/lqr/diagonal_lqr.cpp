@@ -21,7 +21,7 @@ namespace {
 
 constexpr char kDiagonalWhere[] = "diagonal_lqr";
 
-/// The cost of one weight alone, the others 0.
+/// The cost with one weight of 1 and all others 0.
 LqrWeights unit_cost(Index nx, Index nu, Index weight) {
   LqrWeights unit{MatrixXd::Zero(nx, nx), MatrixXd::Zero(nu, nu), {}};
   if (weight < nx)
@@ -32,11 +32,11 @@ LqrWeights unit_cost(Index nx, Index nu, Index weight) {
 }
 
 VectorXd diagonal_of(const MatrixXd& M, const char* name) {
-  require_shape(M, M.rows(), M.rows(), kDiagonalWhere, name, "a weight is square");
+  require_shape(M, M.rows(), M.rows(), kDiagonalWhere, name, "weights are square");
   if (!M.isDiagonal(0))
     throw InvalidInput(kDiagonalWhere,
-                       fmt::format("{} has entries beside its diagonal, expected none "
-                                   "because only diagonal weights are looked for",
+                       fmt::format("{} has entries off its diagonal, expected a diagonal "
+                                   "matrix because only diagonal weights are searched",
                                    name));
   return M.diagonal();
 }
@@ -66,8 +66,9 @@ DiagonalLqr::DiagonalLqr(const ContinuousLti& plant, const LqrDesign& design)
 
 LqrWeights DiagonalLqr::weights(const Eigen::Ref<const VectorXd>& w) const {
   if (w.size() != size())
-    throw InvalidInput(kDiagonalWhere, fmt::format("{} weights came, expected {} ({})", w.size(),
-                                                   size(), internal::joined(names_, " ")));
+    throw InvalidInput(kDiagonalWhere,
+                       fmt::format("{} weights are given, expected {} ({})", w.size(), size(),
+                                   internal::joined(names_, " ")));
   LqrWeights sum{MatrixXd::Zero(states(), states()), MatrixXd::Zero(inputs_, inputs_), {}};
   for (Index i = 0; i < size(); ++i) {
     if (!(w(i) >= 0) || !std::isfinite(w(i)))
@@ -132,8 +133,8 @@ LqrDesign with_diagonals(LqrDesign design, const Eigen::Ref<const VectorXd>& w) 
   const Index nu = design.R.rows();
   if (w.size() != nx + ni + nu)
     throw InvalidInput(kDiagonalWhere,
-                       fmt::format("{} weights came, expected {} of the states, {} of the "
-                                   "integrals and {} of the inputs",
+                       fmt::format("{} weights are given, expected {} for the states, {} for "
+                                   "the integrals and {} for the inputs",
                                    w.size(), nx, ni, nu));
   design.Q = w.head(nx).asDiagonal();
   design.Q_integral = w.segment(nx, ni).asDiagonal();

@@ -20,7 +20,8 @@ RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx, Riccati
   return options;
 }
 
-/// Runs care() or dare() with the plant's state names; what they refuse is said in lqr()'s name.
+/// Calls care() or dare() with the state names of the plant. Their errors are rethrown with the
+/// name of lqr().
 template <class Equation, class Lti>
 RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weights,
                     RiccatiEvidence evidence) {
@@ -39,7 +40,7 @@ Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name
   if (found != states.end()) return found - states.begin();
   throw InvalidInput(
       "with_integrals",
-      fmt::format("no state '{}' to integrate, expected some of: {}{}", name, names(states),
+      fmt::format("no state '{}' to integrate, expected one of: {}{}", name, names(states),
                   internal::did_you_mean(
                       name, names_or_numbers(states, static_cast<Eigen::Index>(states.size())))));
 }

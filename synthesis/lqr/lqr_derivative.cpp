@@ -26,11 +26,11 @@ MatrixXd not_a_number(Eigen::Index rows, Eigen::Index cols) {
   return MatrixXd::Constant(rows, cols, std::numeric_limits<double>::quiet_NaN());
 }
 
-/// A weight's direction, zero where it is empty.
+/// The direction of a weight; zero if it is empty.
 MatrixXd direction_of(const MatrixXd& M, Eigen::Index rows, Eigen::Index cols, const char* name,
                       bool symmetric) {
   if (M.size() == 0) return MatrixXd::Zero(rows, cols);
-  require_shape(M, rows, cols, kDerivativeWhere, name, "as the weight itself");
+  require_shape(M, rows, cols, kDerivativeWhere, name, "it has the shape of the weight");
   require_finite(M, kDerivativeWhere, name);
   if (symmetric) require_symmetric(M, kDerivativeWhere, name);
   return M;
@@ -41,12 +41,12 @@ void check(const Lti& plant, const LqrWeights& weights, const RiccatiResult& sol
   validate(plant, kDerivativeWhere);
   if (!solution.solved())
     throw InvalidInput(kDerivativeWhere,
-                       fmt::format("the Riccati equation is '{}', expected one that is "
-                                   "solved because only a solution has a derivative",
+                       fmt::format("the Riccati equation has status '{}', expected "
+                                   "'solved' because only a solution has a derivative",
                                    to_string(solution.status)));
   const Eigen::Index nx = plant.A.rows();
   const Eigen::Index nu = plant.B.cols();
-  require_shape(solution.X, nx, nx, kDerivativeWhere, "X", "as many rows and columns as A");
+  require_shape(solution.X, nx, nx, kDerivativeWhere, "X", "it has the shape of A");
   require_shape(solution.K, nu, nx, kDerivativeWhere, "K",
                 "one row per input, one column per state");
   require_shape(weights.R, nu, nu, kDerivativeWhere, "R", "one row and column per input");
@@ -54,13 +54,13 @@ void check(const Lti& plant, const LqrWeights& weights, const RiccatiResult& sol
 
 }  // namespace
 
-/// What every direction shares.
+/// The data that all directions share.
 struct LqrDerivative::Parts {
   MatrixXd B;                 ///< (nx × nu)
   MatrixXd K;                 ///< (nu × nx)
-  MatrixXd E;                 ///< (nx × nx) I, or of a discrete plant A - B K
-  Eigen::LLT<MatrixXd> S;     ///< of R, or of R + BᵀXB
-  SchurLyapunov closed_loop;  ///< of A - B K
+  MatrixXd E;                 ///< (nx × nx) I, or A - B K if discrete
+  Eigen::LLT<MatrixXd> S;     ///< factor of R, or of R + BᵀXB if discrete
+  SchurLyapunov closed_loop;  ///< for A - B K
 
   Parts(Time time, const MatrixXd& A, const MatrixXd& input, const MatrixXd& R,
         const RiccatiResult& solution)
@@ -98,8 +98,8 @@ LqrTangent LqrDerivative::along(const LqrWeights& direction) const {
   const MatrixXd dN = direction_of(direction.N, nx, nu, "dN", false);
   LqrTangent tangent{not_a_number(nx, nx), not_a_number(nu, nx)};
   if (!closed_loop.ok()) return tangent;
-  // A_cᵀ dX + dX A_c + dC = 0, or A_cᵀ dX A_c - dX + dC = 0: what the envelope theorem leaves,
-  // dC = dQ + Kᵀ dR K - dN K - Kᵀ dNᵀ.
+  // A_cᵀ dX + dX A_c + dC = 0, or A_cᵀ dX A_c - dX + dC = 0. By the envelope theorem the terms in
+  // dK cancel: dC = dQ + Kᵀ dR K - dN K - Kᵀ dNᵀ.
   const MatrixXd dRK = dR * K;
   const MatrixXd dNK = dN * K;
   const MatrixXd dC = dQ + K.transpose() * dRK - dNK - dNK.transpose();
@@ -113,11 +113,11 @@ LqrWeights LqrDerivative::gradient(const Eigen::Ref<const MatrixXd>& Y) const {
   const auto& [B, K, E, S, closed_loop] = *parts_;
   const Eigen::Index nx = B.rows();
   const Eigen::Index nu = B.cols();
-  require_shape(Y, nu, nx, kDerivativeWhere, "Y", "as K");
+  require_shape(Y, nu, nx, kDerivativeWhere, "Y", "it has the shape of K");
   require_finite(Y, kDerivativeWhere, "Y");
   if (!closed_loop.ok()) return {not_a_number(nx, nx), not_a_number(nu, nu), not_a_number(nx, nu)};
   const MatrixXd W = S.solve(Y);
-  // Λ answers the Lyapunov equation of the transposed loop for sym(B W Eᵀ); then
+  // Λ solves the Lyapunov equation of the transposed loop for sym(B W Eᵀ); then
   // Σ Y∘dK = Σ Λ∘dC + Σ W∘(dNᵀ - dR K).
   const MatrixXd L = symmetric_part(closed_loop.solve(symmetric_part(B * W * E.transpose())));
   const MatrixXd KL = K * L;

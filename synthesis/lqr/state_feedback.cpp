@@ -10,7 +10,7 @@
 namespace quadtune {
 namespace {
 
-/// The Riccati problem that the method asks for.
+/// Solves the Riccati problem of the selected method.
 RiccatiResult solve_augmented(const ContinuousLti& augmented, const LqrWeights& weights,
                               LqrMethod method, double dt) {
   switch (method) {

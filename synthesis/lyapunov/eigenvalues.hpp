@@ -6,7 +6,7 @@
 
 namespace quadtune::internal {
 
-/// By LAPACK, which balances first. Empty when its QR iteration did not end.
+/// Computed by LAPACK with balancing. Empty if its QR iteration did not converge.
 [[nodiscard]] Eigen::VectorXcd eigenvalues(Eigen::MatrixXd M);
 
 }  // namespace quadtune::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// LAPACKE with C++'s complex numbers.
+/// LAPACKE with the complex types of C++.
 #pragma once
 
 #include <complex>

@@ -16,7 +16,7 @@ namespace {
 using internal::SchurLyapunov;
 using internal::Time;
 
-/// The pair of eigenvalues nearest to making the equation singular, and how near.
+/// The pair of eigenvalues that is closest to making the equation singular, and its distance.
 struct Pair {
   std::complex<double> first;
   std::complex<double> second;
@@ -65,7 +65,7 @@ LyapunovResult solve(Time time, const internal::ConstRef& A, const internal::Con
   if (!singular) {
     X = schur.solve(Q);
     X = (0.5 * (X + X.transpose())).eval();
-    // A solution this large is made of rounding, as with Jordan blocks at 0.
+    // A solution this large is dominated by rounding errors, e.g. with Jordan blocks at 0.
     singular = !X.allFinite() || X.norm() * rounding * size > Q.norm();
   }
   if (singular) {

@@ -8,7 +8,7 @@
 namespace quadtune::internal {
 namespace {
 
-/// Without the sign of a negative zero.
+/// Formats a number; a negative zero has no sign.
 std::string digits(double x) { return fmt::format("{:.4g}", x == 0 ? 0.0 : x); }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How messages write eigenvalues and lists of states.
+/// Formats eigenvalues and lists of states for messages.
 #pragma once
 
 #include <complex>
@@ -11,7 +11,7 @@ namespace quadtune::internal {
 /// "0", "-2.5", "0.1 + 2i"
 [[nodiscard]] std::string format_number(std::complex<double> value);
 
-/// "0", "-2.5", "0.1 ± 2i": an eigenvalue of a real matrix, standing for its conjugate too.
+/// "0", "-2.5", "0.1 ± 2i": an eigenvalue of a real matrix together with its conjugate.
 [[nodiscard]] std::string format_mode(std::complex<double> value);
 
 /// "x", "x and y", "x, y and z".

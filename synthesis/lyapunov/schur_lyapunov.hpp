@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One Schur form of A, and with it as many Lyapunov equations as wanted.
+/// Solves several Lyapunov equations with the same A by one Schur form.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,19 +9,19 @@
 
 namespace quadtune::internal {
 
-/// Bartels–Stewart: A is balanced by powers of two and reduced once, in O(n³); every solve is one
-/// triangular recursion of O(n³) more.
+/// Bartels–Stewart method: A is balanced by powers of two and reduced to its Schur form once, in
+/// O(n³). Every solve is a triangular recursion that costs another O(n³).
 class SchurLyapunov {
  public:
   SchurLyapunov(Time time, const ConstRef& A);
 
-  /// False when LAPACK's QR iteration did not end.
+  /// False if LAPACK's QR iteration did not converge.
   [[nodiscard]] bool ok() const { return ok_; }
   [[nodiscard]] const Eigen::VectorXcd& eigenvalues() const { return eigenvalues_; }
 
-  /// X with A X + X Aᵀ + Q = 0, or A X Aᵀ - X + Q = 0. Q need not be symmetric.
+  /// Solves A X + X Aᵀ + Q = 0, or A X Aᵀ - X + Q = 0. Q need not be symmetric.
   [[nodiscard]] Eigen::MatrixXd solve(const ConstRef& Q) const { return solve(Q, false); }
-  /// X with Aᵀ X + X A + Q = 0, or Aᵀ X A - X + Q = 0.
+  /// Solves Aᵀ X + X A + Q = 0, or Aᵀ X A - X + Q = 0.
   [[nodiscard]] Eigen::MatrixXd solve_transposed(const ConstRef& Q) const { return solve(Q, true); }
 
  private:

@@ -43,16 +43,16 @@ Lti completed(Lti plant) {
   return plant;
 }
 
-/// Frequencies where a singular value of the plant may be γ: the imaginary eigenvalues of
-/// [A + B S DᵀC, B S Bᵀ; -Cᵀ(I + D S Dᵀ)C, -(A + B S DᵀC)ᵀ], S = (γ² I - DᵀD)⁻¹. Those that
-/// rounding has moved off the axis are included.
+/// Computes the frequencies at which a singular value of the plant may be γ: the imaginary
+/// eigenvalues of [A + B S DᵀC, B S Bᵀ; -Cᵀ(I + D S Dᵀ)C, -(A + B S DᵀC)ᵀ], S = (γ² I - DᵀD)⁻¹.
+/// Eigenvalues that rounding errors have moved off the axis are included.
 std::vector<double> crossings(const ContinuousLti& p, double gamma) {
   const Index n = p.A.rows();
   const Index nu = p.B.cols();
   const MatrixXd S = (gamma * gamma * MatrixXd::Identity(nu, nu) - p.D.transpose() * p.D).inverse();
   const MatrixXd F = p.A + p.B * S * p.D.transpose() * p.C;
   MatrixXd H(2 * n, 2 * n);
-  // γ divided evenly between the off-diagonal blocks, so that both have one size.
+  // γ is distributed evenly over the off-diagonal blocks, so that both have the same magnitude.
   H << F, gamma * p.B * S * p.B.transpose(),
       -p.C.transpose() * (p.C + p.D * S * p.D.transpose() * p.C) / gamma, -F.transpose();
   const double rounding = 1e-8;
@@ -64,8 +64,9 @@ std::vector<double> crossings(const ContinuousLti& p, double gamma) {
   return all;
 }
 
-/// Bruinsma and Steinbuch's two steps: a level just above the best gain so far, and the gains
-/// between its crossings. `gain_at` is exact and takes the frequency of `plant`.
+/// The two-step method of Bruinsma and Steinbuch: compute the crossings of a level just above the
+/// largest gain so far, then evaluate the gain between the crossings. `gain_at` is exact; its
+/// argument is a frequency of `plant`.
 template <class Gain>
 PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolerance,
                const Gain& gain_at) {
@@ -74,8 +75,8 @@ PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolera
     const double gain = gain_at(w);
     if (gain > best.gain) best = {gain, w, true};
   };
-  // A level barely above the feed-through makes the matrix singular, so the start had better be
-  // good.
+  // A level barely above the feed-through makes the matrix singular, so that a good initial level
+  // is necessary.
   try_at(kInfinite);
   try_at(0);
   for (const std::complex<double>& pole : poles) {
@@ -90,12 +91,12 @@ PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolera
     const std::vector<double> at = crossings(plant, gamma);
     const double before = best.gain;
     for (std::size_t i = 0; i + 1 < at.size(); ++i) try_at(0.5 * (at[i] + at[i + 1]));
-    // The last crossing closes with infinity, or with a peak of no width.
+    // The last interval ends at infinity; an interval may also have zero width.
     for (const double w : at) try_at(w);
     if (!at.empty()) try_at(2 * at.back());
     if (best.gain <= before * (1 + 2 * tolerance)) break;
   }
-  // Just below a flat top the two crossings have met, and rounding takes them off the axis.
+  // Just below a flat peak the two crossings coincide, and rounding moves them off the axis.
   constexpr double kNear = 3e-3;
   if (!(best.w > 0) || std::isinf(best.w)) return best;
   try_at(internal::lowest_between([&](double w) { return -gain_at(w); }, best.w * (1 - kNear),
@@ -110,7 +111,7 @@ PeakGain peak_gain(const ContinuousLti& given, double tolerance) {
   validate(given, "peak_gain");
   if (!(tolerance > 0 && tolerance <= 0.1))
     throw InvalidInput("peak_gain",
-                       fmt::format("tolerance is {}, expected 0 < it <= 0.1", tolerance));
+                       fmt::format("tolerance is {}, expected a number in (0, 0.1]", tolerance));
   const ContinuousLti plant = completed(given);
   const FrequencyResponse response(plant);
   const double feed_through = largest_singular_value(plant.D.cast<std::complex<double>>());
@@ -154,7 +155,7 @@ PeakGain peak_gain(const DiscreteLti& given, double tolerance) {
 
 namespace {
 
-/// The least stable pole, or none.
+/// Throws if a pole is not stable, naming the least stable one.
 void require_stable(const MatrixXd& A, bool discrete, const std::string& where) {
   const VectorXcd poles = eigenvalues(A);
   Index worst = 0;
@@ -162,15 +163,15 @@ void require_stable(const MatrixXd& A, bool discrete, const std::string& where) 
       discrete ? poles.cwiseAbs().maxCoeff(&worst) - 1 : poles.real().maxCoeff(&worst);
   if (excess >= 0)
     throw InvalidInput(
-        where, fmt::format("A has a pole at {}, expected all {} because the energy "
-                           "of the others never ends",
+        where, fmt::format("A has a pole at {}, expected all poles {} because the "
+                           "energy is infinite otherwise",
                            internal::format_mode(poles[worst]),
                            discrete ? "within the unit circle" : "left of the imaginary axis"));
 }
 
 MatrixXd solved(const LyapunovResult& result, const std::string& where) {
   if (!result.solved())
-    throw InvalidInput(where, "A is too near to the boundary of stability: " + result.culprit);
+    throw InvalidInput(where, "A is too close to the stability boundary: " + result.culprit);
   return result.X;
 }
 

@@ -14,7 +14,7 @@ struct ChannelResponse {
   using Function = std::function<std::complex<double>(double w)>;
 
   Function at;               ///< L at w [rad/s]
-  Function again;            ///< L computed in another order: it differs from `at` by rounding only
+  Function again;            ///< L computed in another order: differs from `at` by rounding only
   Function sensitivity;      ///< S of the closed loop
   std::vector<double> grid;  ///< as frequency_grid()
   bool discrete = false;     ///< whether the last frequency of the grid is Nyquist
@@ -22,8 +22,8 @@ struct ChannelResponse {
   bool stable = false;       ///< whether the closed loop is stable
 };
 
-/// The margins of a loop. The disk margin of an unstable loop is 0.
-/// @param skew  as loop_margins(), finite
+/// Computes the margins of a loop. The disk margin of an unstable loop is 0.
+/// @param skew  as for loop_margins(), finite
 [[nodiscard]] LoopMargins margins_of(const ChannelResponse& response, double skew);
 
 }  // namespace quadtune::internal

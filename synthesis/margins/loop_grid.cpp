@@ -27,9 +27,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPerDecade = 60;
-constexpr double kBeyond = 1e3;     ///< the slowest and the fastest landmark
-constexpr double kFastest = 1e150;  ///< [rad/s] whose square and multiples do not overflow
-constexpr double kPhaseStep = 0.2;  ///< [rad] that a delay may turn between two frequencies
+constexpr double kBeyond = 1e3;     ///< factor beyond the slowest and the fastest landmark
+constexpr double kFastest = 1e150;  ///< [rad/s] its square and multiples do not overflow
+constexpr double kPhaseStep = 0.2;  ///< [rad] maximum phase change by the delay per step
 
 /// A pole or zero as a resonance: its frequency and its distance to the boundary [rad/s].
 struct Resonance {
@@ -42,7 +42,7 @@ std::vector<Resonance> resonances(const Landmarks& landmarks) {
   std::vector<Resonance> all;
   for (const Eigen::VectorXcd& roots : landmarks.roots)
     for (const std::complex<double>& root : roots) {
-      // Where a discrete root would be in continuous time; one at 0 is a delay.
+      // The continuous-time equivalent of a discrete root; a root at 0 is a delay.
       const std::complex<double> s = landmarks.dt > 0 ? std::log(root) / landmarks.dt : root;
       if (std::isfinite(s.real()) && std::isfinite(s.imag()))
         all.push_back({std::abs(s.imag()), std::abs(s.real())});
@@ -50,9 +50,9 @@ std::vector<Resonance> resonances(const Landmarks& landmarks) {
   return all;
 }
 
-/// Frequencies of which those of a grid that are no wider apart than kPerDecade miss the detail.
+/// Adds frequencies around a root that a grid with kPerDecade points per decade does not resolve.
 void add_resonance(const Resonance& root, std::vector<double>& grid) {
-  constexpr double kDamped = 0.3;  // from here on sixty a decade are as dense
+  constexpr double kDamped = 0.3;  // from here on, sixty per decade are as dense
   constexpr double kFar = 0.5;
   if (!(root.width < kDamped * root.w)) return;
   for (const double k : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0, 15.0, 30.0})
@@ -60,7 +60,7 @@ void add_resonance(const Resonance& root, std::vector<double>& grid) {
       for (const double side : {-k, k}) grid.push_back(root.w + side * root.width);
 }
 
-/// 1/f² at its vertex by the parabola through three values.
+/// Predicts a peak of f from the vertex of the parabola through three values of 1/f².
 double predicted_peak(const std::vector<double>& w, const std::vector<double>& values,
                       std::size_t i) {
   const auto inverse_square = [&](std::size_t k) { return 1 / (values[k] * values[k]); };
@@ -75,10 +75,10 @@ double predicted_peak(const std::vector<double>& w, const std::vector<double>& v
   return vertex > 0 ? 1 / std::sqrt(vertex) : kInfinity;
 }
 
-/// The prediction with a reserve that grows with its distance from the value: the grid resolves a
-/// peak that hardly exceeds it.
+/// Adds to the prediction a reserve that increases with its distance from the value, because the
+/// grid resolves a peak that hardly exceeds the value.
 double possible_peak(double value, double predicted) {
-  if (!std::isfinite(value)) return kInfinity;  // and no NaN, which would have no order
+  if (!std::isfinite(value)) return kInfinity;  // not NaN, which cannot be ordered
   return 1.01 * (predicted + 3 * (predicted - value));
 }
 
@@ -92,17 +92,17 @@ std::vector<double> loop_grid(const Landmarks& landmarks) {
   double fastest = discrete ? nyquist : 1e-12;
   if (!discrete)
     for (const double size : sizes) fastest = std::max(fastest, std::min(size, kFastest));
-  // What is smaller than rounding relative to the fastest is an integrator.
+  // A root that is smaller than rounding relative to the fastest is an integrator.
   double slowest = fastest;
   for (const double size : sizes)
     if (size > 1e-10 * fastest) slowest = std::min(slowest, size);
   double top = discrete ? nyquist : fastest * kBeyond;
-  // A delay alone turns L through the first crossing of the negative axis below this.
+  // With a delay alone, L crosses the negative axis for the first time below this frequency.
   if (!discrete && landmarks.delay > 0) top = std::max(top, 4 * std::numbers::pi / landmarks.delay);
   top = std::min(top, kBeyond * kFastest);
   const double bottom = slowest / kBeyond;
   std::vector<double> grid = loop_grid(landmarks, bottom, top);
-  // Of a stiff loop what looks like an integrator may be a lag.
+  // In a stiff loop, an apparent integrator may be a lag.
   for (const double size : sizes)
     for (const double k : {0.1, 0.3, 1.0, 3.0, 10.0})
       if (k * size < bottom) grid.push_back(k * size);
@@ -125,7 +125,7 @@ std::vector<double> loop_grid(const Landmarks& landmarks, double low, double hig
   }
   std::erase_if(grid, [&](double w) { return !(w >= low && w <= high); });
   std::sort(grid.begin(), grid.end());
-  // Nearer frequencies are landmarks that only rounding keeps apart, such as repeated poles.
+  // Closer frequencies come from landmarks that differ by rounding only, such as repeated poles.
   constexpr double kApart = 1e-11;
   grid.erase(
       std::unique(grid.begin(), grid.end(), [](double a, double b) { return b - a <= kApart * b; }),
@@ -136,13 +136,13 @@ std::vector<double> loop_grid(const Landmarks& landmarks, double low, double hig
 
 Peak highest_peak(const FrequencyFunction& f, const std::vector<double>& w,
                   const std::vector<double>& values) {
-  constexpr double kEqual = 1e-10;   // peaks that rounding may order either way
-  constexpr double kPlateau = 1e-9;  // a hill on it is rounding
+  constexpr double kEqual = 1e-10;   // peaks whose order depends on rounding
+  constexpr double kPlateau = 1e-9;  // smaller local maxima on a plateau are rounding errors
   Peak best{-kInfinity, 0};
   for (std::size_t i = 0; i < w.size(); ++i)
     if (!(values[i] <= best.value + kEqual * std::abs(best.value)) && !std::isnan(values[i]))
       best = {values[i], w[i]};
-  std::vector<std::pair<double, std::size_t>> tops;  // with what they may reach
+  std::vector<std::pair<double, std::size_t>> tops;  // with their possible peaks
   for (std::size_t i = 1; i + 1 < w.size(); ++i) {
     const double before = values[i - 1], after = values[i + 1];
     if (values[i] >= before && values[i] >= after && std::isfinite(w[i + 1]) &&
@@ -161,8 +161,8 @@ Peak highest_peak(const FrequencyFunction& f, const std::vector<double>& w,
 }
 
 Peak lowest_between(const FrequencyFunction& f, double low, double high, int bits) {
-  // Boost's tolerance is relative to the argument: a share of the interval suits intervals of any
-  // place and width.
+  // Boost's tolerance is relative to the argument; a normalized argument makes it relative to the
+  // interval.
   const auto at = [&](double share) { return low + share * (high - low); };
   boost::uintmax_t steps = 100;
   const auto [share, value] = boost::math::tools::brent_find_minima(
@@ -172,7 +172,7 @@ Peak lowest_between(const FrequencyFunction& f, double low, double high, int bit
 
 double crossing(const FrequencyFunction& f, double low, double high, double at_low,
                 double at_high) {
-  // toms748_solve() interpolates, which infinite values would spoil.
+  // toms748_solve() interpolates and therefore requires finite values.
   const auto finite = [](double value) {
     constexpr double kLargest = 1e100;
     return std::isnan(value) ? 0 : std::clamp(value, -kLargest, kLargest);
@@ -194,7 +194,7 @@ std::vector<double> crossings(const FrequencyFunction& f, const std::vector<doub
       ++i;
       continue;
     }
-    std::size_t end = i + 1;  // of those up to i, one behind the last certain one
+    std::size_t end = i + 1;  // one past the last certain value up to i
     while (end > 0 && !is_certain(end - 1)) --end;
     std::size_t right = i + 1;
     while (right < w.size() && !is_certain(right)) ++right;

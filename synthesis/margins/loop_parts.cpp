@@ -14,8 +14,8 @@ using Eigen::MatrixXd;
 
 constexpr double kNoCoupling = 1e-10;
 
-/// Which of the plant's states, the law's states and the plant's inputs act on which: |entries|
-/// over the box, in units in which rows and columns are alike.
+/// The influence of the plant's states, the law's states and the plant's inputs on each other:
+/// bounds of |entries| over the box, balanced so that rows and columns have similar norms.
 MatrixXd balanced_pattern(const UncertainLoop& loop, const EnclosedBox& box) {
   const Index nx = loop.plant.A.rows();
   const Index ni = loop.law.A.rows();
@@ -24,9 +24,9 @@ MatrixXd balanced_pattern(const UncertainLoop& loop, const EnclosedBox& box) {
   MatrixXd B = loop.plant.B.cwiseAbs();
   for (std::size_t j = 0; j < loop.terms.size(); ++j) {
     const auto i = static_cast<Index>(j);
-    const double most = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
-    if (loop.terms[j].A.size() > 0) A += most * loop.terms[j].A.cwiseAbs();
-    if (loop.terms[j].B.size() > 0) B += most * loop.terms[j].B.cwiseAbs();
+    const double max = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
+    if (loop.terms[j].A.size() > 0) A += max * loop.terms[j].A.cwiseAbs();
+    if (loop.terms[j].B.size() > 0) B += max * loop.terms[j].B.cwiseAbs();
   }
   MatrixXd W = MatrixXd::Zero(nx + ni + nu, nx + ni + nu);
   W.block(0, 0, nx, nx) = loop.law.dt * A;
@@ -39,12 +39,12 @@ MatrixXd balanced_pattern(const UncertainLoop& loop, const EnclosedBox& box) {
   Eigen::VectorXd scale(W.rows());
   lapack_int low = 0;
   lapack_int high = 0;
-  // Where it fails the entries stay in their own units: the parts are larger then.
+  // If balancing fails, the entries keep their units, and the parts are larger.
   (void)LAPACKE_dgebal(LAPACK_COL_MAJOR, 'S', n, W.data(), n, &low, &high, scale.data());
   return W;
 }
 
-/// Groups of nodes that larger entries join.
+/// Groups of nodes that are connected by significant entries.
 std::vector<std::vector<Index>> groups(const MatrixXd& W) {
   const Index n = W.rows();
   std::vector<Index> leader(static_cast<std::size_t>(n));
@@ -71,7 +71,7 @@ MatrixXd taken(const MatrixXd& M, const std::vector<Index>& rows, const std::vec
              : MatrixXd::Zero(static_cast<Index>(rows.size()), static_cast<Index>(cols.size()));
 }
 
-/// Terms that move nothing of the part stay away.
+/// Copies the terms that affect the part.
 void take_terms(const UncertainLoop& whole, LoopPart& part) {
   for (std::size_t j = 0; j < whole.terms.size(); ++j) {
     PlantTerm term{whole.terms[j].name, {}, {}};
@@ -147,7 +147,7 @@ std::vector<LoopPart> loop_parts(const UncertainLoop& loop, const EnclosedBox& b
   const Index nx = loop.plant.A.rows();
   const Index ni = loop.law.A.rows();
   std::vector<LoopPart> parts;
-  std::vector<Index> idle;  // inputs that move nothing and are moved by nothing
+  std::vector<Index> idle;  // inputs without any coupling
   for (const std::vector<Index>& group : groups(balanced_pattern(loop, box))) {
     LoopPart part;
     for (const Index i : group)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An uncertain loop taken apart into loops that do not know of one another but by rounding.
+/// Splits an uncertain loop into loops that are decoupled up to rounding.
 #pragma once
 
 #include <vector>
@@ -8,29 +8,29 @@
 
 namespace quadtune::internal {
 
-/// One of them.
+/// One decoupled part of an uncertain loop.
 struct LoopPart {
-  UncertainLoop loop;                ///< with the terms that move it alone
-  std::vector<Eigen::Index> terms;   ///< which of the whole loop's
-  std::vector<Eigen::Index> states;  ///< of the plant, likewise
-  std::vector<Eigen::Index> memory;  ///< states of the law
-  std::vector<Eigen::Index> inputs;  ///< of the plant
+  UncertainLoop loop;                ///< with only the terms that affect it
+  std::vector<Eigen::Index> terms;   ///< indices among those of the whole loop
+  std::vector<Eigen::Index> states;  ///< states of the plant, likewise
+  std::vector<Eigen::Index> memory;  ///< states of the law, likewise
+  std::vector<Eigen::Index> inputs;  ///< inputs of the plant, likewise
 
-  /// The part's share of a box of the whole loop.
+  /// Projects a box of the whole loop on the parameters of the part.
   [[nodiscard]] EnclosedBox share(const EnclosedBox& box) const;
-  /// Where the part's closed-loop states stand among those of the whole loop.
+  /// Indices of the part's closed-loop states among those of the whole loop.
   [[nodiscard]] std::vector<Eigen::Index> places(const UncertainLoop& whole, int past) const;
 };
 
-/// Entries below 1e-10 of the largest in their row or column, states in balanced units, do not join
-/// two parts; what they do must be bounded by whoever proves something of the parts.
+/// Splits a loop into its parts. Entries below 1e-10 of the largest in their row or column, with
+/// balanced states, are not regarded as couplings; a proof about the parts must bound their effect.
 [[nodiscard]] std::vector<LoopPart> loop_parts(const UncertainLoop& loop, const EnclosedBox& box);
 
-/// Which part each state, memory and input of the loop is in.
+/// The index of the part to which each state, memory and input of the loop belongs.
 [[nodiscard]] PartNumbers part_numbers(const UncertainLoop& loop,
                                        const std::vector<LoopPart>& parts);
 
-/// The loop as its only part.
+/// The whole loop as a single part.
 [[nodiscard]] LoopPart whole_loop(const UncertainLoop& loop);
 
 }  // namespace quadtune::internal

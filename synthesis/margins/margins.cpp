@@ -28,14 +28,14 @@ using internal::Peak;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// One channel's response on the grid.
+/// The response of one channel on the grid.
 struct Samples {
   std::vector<double> w;
   std::vector<Complex> L;
   std::vector<Complex> S;
 };
 
-/// The same loop with its states in reverse order: its response differs by rounding only.
+/// The same loop with its states in reverse order; the response differs by rounding only.
 FrequencyResponse reordered(const OpenLoop& loop) {
   const auto fill = [&](auto plant) {
     plant.A = loop.A().reverse();
@@ -50,7 +50,7 @@ FrequencyResponse reordered(const OpenLoop& loop) {
   return FrequencyResponse(plant);
 }
 
-/// @param loop  outlives the result
+/// @param loop  must outlive the result
 ChannelResponse response_of(const OpenLoop& loop) {
   ChannelResponse response;
   response.at = [&loop](double w) { return loop.at(w)(0, 0); };
@@ -65,8 +65,8 @@ ChannelResponse response_of(const OpenLoop& loop) {
   return response;
 }
 
-/// Scale-free functions of L whose zeros are crossovers: errors of theirs compare between
-/// frequencies at which L differs in size.
+/// Scale-free functions of L whose zeros are crossovers. Their errors are comparable between
+/// frequencies at which |L| differs.
 double log_size(Complex L) { return std::log(std::abs(L)); }
 double sine_of_phase(Complex L) {
   const double size = std::abs(L);
@@ -78,13 +78,13 @@ class SingleLoop {
   explicit SingleLoop(const ChannelResponse& response) : response_(response) {
     for (const double w : response_.grid) {
       const Complex L = at(w);
-      // A pole on the axis has no value; its neighbours show its size.
+      // The response is not finite at a pole on the axis; the neighbouring frequencies suffice.
       if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
       samples_.w.push_back(w);
       samples_.L.push_back(L);
       samples_.S.push_back(sensitivity(w));
     }
-    // Real to the last bit, so that a crossing there is seen.
+    // Exactly real, so that a crossing at Nyquist is detected.
     if (response_.discrete && !samples_.L.empty()) samples_.L.back().imag(0);
   }
 
@@ -93,21 +93,22 @@ class SingleLoop {
 
   using Function = double (*)(Complex L);
 
-  /// Zeros of f(L): where it changes sign between frequencies at which it exceeds its rounding, and
-  /// at 0 and Nyquist, where L is real by symmetry, if it is 0 there and not everywhere.
+  /// Computes the zeros of f(L): the sign changes between frequencies at which f exceeds its
+  /// rounding error, and 0 and Nyquist, where L is real by symmetry, if f is 0 there and not
+  /// everywhere.
   [[nodiscard]] std::vector<double> roots(Function f) const {
     const std::size_t count = samples_.w.size();
     std::vector<double> values;
     values.reserve(count);
     for (const Complex& L : samples_.L) values.push_back(f(L));
-    std::vector<double> errors(count, -1);  // where they are known; neighbours share them
+    std::vector<double> errors(count, -1);  // -1: not computed yet; shared by neighbours
     const auto certain = [&](std::size_t i) {
       return values[i] != 0 && std::abs(values[i]) > kOverRounding * rounding_near(i, f, errors);
     };
     std::vector<double> found =
         internal::crossings([&](double w) { return f(at(w)); }, samples_.w, values, certain);
     const auto is_root = [&](std::size_t end) {
-      constexpr double kFar = 1e-3;  // from 0, whatever the rounding
+      constexpr double kFar = 1e-3;  // certainly not 0, whatever the rounding error
       if (std::abs(values[end]) > kFar || certain(end)) return false;
       for (std::size_t i = 0; i < count; ++i)
         if (certain(i)) return true;
@@ -118,8 +119,8 @@ class SingleLoop {
     return found;
   }
 
-  /// Whether |L| at w is more than its rounding. With a pole or a zero of L at 0, the value there
-  /// is nothing else: infinite or 0 but for the last digits of the coefficients.
+  /// Whether |L| at w exceeds its rounding error. If L has a pole or a zero at 0, its value there
+  /// is only rounding: infinite or 0 up to the last digits of the coefficients.
   [[nodiscard]] bool is_seen(double w) const {
     constexpr double kInfiniteAtRest = 1e10;
     if (w < lowest()) {
@@ -129,7 +130,7 @@ class SingleLoop {
     return kOverRounding * rounding(w, log_size) < 1;
   }
 
-  /// The largest |S + offset| and where.
+  /// Computes the maximum of |S + offset| and its frequency.
   [[nodiscard]] Peak peak(double offset) const {
     std::vector<double> values;
     values.reserve(samples_.S.size());
@@ -141,7 +142,7 @@ class SingleLoop {
     return at_infinity > best.value ? Peak{at_infinity, kInfinite} : best;
   }
 
-  /// Of a continuous loop without delay; otherwise 0.
+  /// The feed-through of a continuous loop without delay; otherwise 0.
   [[nodiscard]] double feed_through() const {
     return response_.discrete || response_.delay > 0 ? 0 : at(kInfinite).real();
   }
@@ -151,9 +152,9 @@ class SingleLoop {
 
   [[nodiscard]] double lowest() const { return samples_.w.size() > 1 ? samples_.w[1] : 0; }
 
-  /// The error of f(L) at w, from how much it differs when the states come in another order, and
-  /// scatters over frequencies so near to one another that L does not change: by a few last digits
-  /// of w, or, at 0, of the lowest frequency.
+  /// Estimates the rounding error of f(L) at w from its difference with reordered states, and from
+  /// its scatter over frequencies so close that L does not change: they differ by a few last digits
+  /// of w or, at 0, of the lowest frequency.
   [[nodiscard]] double rounding(double w, Function f) const {
     constexpr double kNear = 0x1p-50;
     const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest()));
@@ -165,8 +166,8 @@ class SingleLoop {
     return scatter;
   }
 
-  /// The same from neighbours as well: a difference of two computations is now and then far smaller
-  /// than the error of both, though not at five frequencies in a row.
+  /// The same, also considering neighbours: the difference of two computations is occasionally much
+  /// smaller than their errors, but not at five consecutive frequencies.
   [[nodiscard]] double rounding_near(std::size_t i, Function f, std::vector<double>& errors) const {
     constexpr std::size_t kReach = 2;
     double largest = 0;
@@ -182,8 +183,8 @@ class SingleLoop {
   Samples samples_;
 };
 
-/// In (-π, π].
-double wrapped(double angle) {
+/// Wraps an angle to (-π, π].
+double wrap_angle(double angle) {
   const double turned = std::remainder(angle, 2 * kPi);
   return turned <= -kPi ? turned + 2 * kPi : turned;
 }
@@ -191,7 +192,7 @@ double wrapped(double angle) {
 std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
   std::vector<GainCrossover> all;
   for (const double w : loop.roots(log_size)) {
-    const double phase = wrapped(std::arg(loop.at(w)) + kPi);
+    const double phase = wrap_angle(std::arg(loop.at(w)) + kPi);
     all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
   }
   return all;
@@ -201,17 +202,17 @@ std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
   std::vector<PhaseCrossover> all;
   for (const double w : loop.roots(sine_of_phase)) {
     const Complex L = loop.at(w);
-    // A change of sign through infinity, at a pole on the axis, is not one through 0.
+    // A change of sign through infinity, at a pole on the axis, is not a crossing of 0.
     const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
     if (real && L.real() < 0 && loop.is_seen(w)) all.push_back({w, 1 / std::abs(L)});
   }
-  // A continuous loop's feed-through is real as well, but no frequency of the grid.
+  // The feed-through of a continuous loop is also real, but infinity is not on the grid.
   if (loop.feed_through() < 0) all.push_back({kInfinite, -1 / loop.feed_through()});
   return all;
 }
 
-/// Leaves out what nobody changes a gain by, unless it is a margin. A delay turns the smallest L on
-/// and on.
+/// Omits crossovers at extreme gains unless they define a margin: with a delay, even a tiny L keeps
+/// crossing the negative axis.
 void shorten(LoopMargins& margins) {
   constexpr double kOfInterest = 1e6;
   const auto is_far = [&](const PhaseCrossover& at) {
@@ -221,11 +222,12 @@ void shorten(LoopMargins& margins) {
   margins.far_phase_crossovers = static_cast<int>(std::erase_if(margins.phase_crossovers, is_far));
 }
 
-/// Stability with a delay (Walton, Marshall 1987): as the delay grows from 0, roots cross the axis
-/// only at the gain crossovers, two at a time, out where |L| falls and back where it rises.
+/// Stability with a delay (Walton, Marshall 1987): as the delay increases from 0, roots cross the
+/// axis only at the gain crossovers, in pairs: to the right where |L| decreases, and back where it
+/// increases.
 bool stable_with_delay(const OpenLoop& loop) {
   const OpenLoop prompt = loop.without_delay();
-  // With |L| ≥ 1 at infinity every delay leaves poles of any speed on the wrong side.
+  // With |L| ≥ 1 at infinity, every delay leaves arbitrarily fast poles that are not stable.
   if (std::abs(prompt.at(kInfinite)(0, 0)) >= 1) return false;
   const Eigen::VectorXcd poles = prompt.closed_loop_poles();
   auto unstable = static_cast<long>((poles.real().array() >= 0).count());
@@ -259,8 +261,8 @@ DiskMargin disk_of_peak(double peak, double w, double skew) {
   disk.gain_low = (2 - a * (1 - skew)) / (2 + a * (1 + skew));
   const double open = 2 - a * (1 + skew);
   disk.gain_high = open > 1e-12 ? (2 + a * (1 - skew)) / open : kInfinite;
-  // The factor e^(jθ) belongs to |δ|² = (2 - 2 cos θ)/((1 + σ²)/2 + (1 - σ²)/2 cos θ), which grows
-  // with θ; at π it is (2/σ)².
+  // The factor e^(jθ) corresponds to |δ|² = (2 - 2 cos θ)/((1 + σ²)/2 + (1 - σ²)/2 cos θ), which
+  // increases with θ; at π it is (2/σ)².
   disk.phase =
       a * std::abs(skew) >= 2
           ? kPi
@@ -292,7 +294,7 @@ LoopMargins margins_of(const ChannelResponse& channel, double skew) {
     margins.phase_margin = at.phase_margin;
     margins.crossover = at.w;
   }
-  // What a turn either way leaves of a stable loop; the crossover's sign says which way.
+  // The magnitude, lag or lead; the sign is in gain_crossovers.
   if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
   shorten(margins);
   const Peak S = response.peak(0), T = response.peak(-1);  // |T| = |1 - S|
@@ -313,7 +315,7 @@ LoopMargins loop_margins(const OpenLoop& loop, double skew) {
   if (loop.size() != 1)
     throw InvalidInput(
         "loop_margins",
-        fmt::format("the loop has {} channels, expected 1: take one of them", loop.size()));
+        fmt::format("the loop has {} channels, expected 1 (use OpenLoop::channel())", loop.size()));
   if (!std::isfinite(skew))
     throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
   ChannelResponse response = response_of(loop);

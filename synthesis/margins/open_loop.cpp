@@ -38,17 +38,17 @@ FrequencyResponse matrix_response(const MatrixXd& A, const MatrixXd& B, const Ma
                 : matrix_response<ContinuousLti>(A, B, C, D, dt);
 }
 
-/// Of the loop when closed: u = r - y, y = C x + D u, so u = (I + D)⁻¹ (r - C x).
+/// The sensitivity of the closed loop: u = r - y, y = C x + D u, hence u = (I + D)⁻¹ (r - C x).
 FrequencyResponse sensitivity_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
                                  const MatrixXd& D, double dt) {
   if (D.rows() != D.cols())
-    throw InvalidInput("open loop", fmt::format("{} outputs and {} inputs, expected as many of one "
-                                                "as of the other because each comes back to itself",
+    throw InvalidInput("open loop", fmt::format("the loop has {} outputs and {} inputs, expected "
+                                                "equal numbers because each output is fed back",
                                                 D.rows(), D.cols()));
   const Eigen::PartialPivLU<MatrixXd> lu(MatrixXd::Identity(D.rows(), D.rows()) + D);
   if (!(lu.rcond() > 1e-14))
-    throw InvalidInput("open loop",
-                       "I + D is singular, expected a loop that can be closed at once");
+    throw InvalidInput(
+        "open loop", "the closed loop is algebraic (I + D is singular), expected a regular I + D");
   const MatrixXd closing = lu.inverse();
   return matrix_response(A - B * closing * C, B * closing, -closing * C, closing, dt);
 }
@@ -82,8 +82,8 @@ OpenLoop::OpenLoop(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, cons
                        fmt::format("delay is {} s, expected a finite number >= 0", delay));
   if (delay > 0 && D.rows() > 1)
     throw InvalidInput("open loop",
-                       fmt::format("delay is {} s with {} channels, expected one channel, or a "
-                                   "discrete loop, where a delay is states",
+                       fmt::format("delay is {} s with {} channels, expected one channel (or a "
+                                   "discrete loop whose states contain the delay)",
                                    delay, D.rows()));
 }
 
@@ -124,9 +124,10 @@ VectorXcd OpenLoop::zeros() const {
 
 OpenLoop OpenLoop::channel(Index index) const {
   if (index < 0 || index >= size())
-    throw InvalidInput("open loop", fmt::format("channel {}, expected 0 to {}", index, size() - 1));
+    throw InvalidInput("open loop",
+                       fmt::format("channel is {}, expected 0 to {}", index, size() - 1));
   if (size() == 1) return {A_, B_, C_, D_, dt_, delay_};
-  // The others, y_o = C_o x + D_oi u + D_oo u_o with u_o = -y_o, leave one input and one output.
+  // Eliminate the other channels, y_o = C_o x + D_oi u + D_oo u_o with u_o = -y_o.
   std::vector<Index> others;
   for (Index i = 0; i < size(); ++i)
     if (i != index) others.push_back(i);

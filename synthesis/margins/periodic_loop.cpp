@@ -26,20 +26,20 @@ void require_matrix(const MatrixXd& M, Index rows, Index cols, const std::string
     throw InvalidInput(where, fmt::format("{} is {} x {}, expected {} x {}", name, M.rows(),
                                           M.cols(), rows, cols));
   if (!M.allFinite())
-    throw InvalidInput(where,
-                       fmt::format("{} has an entry that is not finite, expected numbers", name));
+    throw InvalidInput(
+        where, fmt::format("{} has an entry that is not finite, expected finite numbers", name));
 }
 
 using Edges = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Where any of the matrices has an entry that is not zero.
+/// The union of the nonzero patterns of the matrices.
 Edges edges_of(const std::vector<MatrixXd>& A) {
   MatrixXd sum = A.front().cwiseAbs();
   for (std::size_t k = 1; k < A.size(); ++k) sum += A[k].cwiseAbs();
   return sum.array() != 0;
 }
 
-/// Rows and columns of a square matrix, rows of B, columns of C.
+/// The plant restricted to the kept states.
 PeriodicLti part(const PeriodicLti& plant, const std::vector<Index>& kept) {
   if (std::ssize(kept) == plant.A.front().rows()) return plant;
   PeriodicLti result;
@@ -54,7 +54,8 @@ PeriodicLti part(const PeriodicLti& plant, const std::vector<Index>& kept) {
   return result;
 }
 
-/// The states that are reached from the marked ones along nonzero entries, in any number of steps.
+/// Marks all states that are reached from the marked ones along nonzero entries, in any number of
+/// steps.
 void spread(const Edges& edges, std::vector<bool>& marked) {
   std::vector<Index> waiting;
   for (std::size_t i = 0; i < marked.size(); ++i)
@@ -70,7 +71,7 @@ void spread(const Edges& edges, std::vector<bool>& marked) {
   }
 }
 
-/// z with z^N = multiplier, nearest to one of `candidates`.
+/// Returns the z with z^N = multiplier that is nearest to one of `candidates`.
 Complex root_near(Complex multiplier, std::size_t N, const VectorXcd& candidates) {
   const double size = std::pow(std::abs(multiplier), 1.0 / static_cast<double>(N));
   const double turn = 2 * std::acos(-1.0) / static_cast<double>(N);
@@ -89,7 +90,7 @@ Complex root_near(Complex multiplier, std::size_t N, const VectorXcd& candidates
   return best;
 }
 
-/// The states in groups that do not know of one another in any step, in the order of their first.
+/// The states in groups that are decoupled in all steps, ordered by their first state.
 std::vector<std::vector<Index>> independent(const std::vector<MatrixXd>& A) {
   const Edges one_way = edges_of(A);
   const Edges edges = one_way.array() || one_way.transpose().array();
@@ -136,8 +137,8 @@ void validate(const PeriodicLti& plant, const std::string& where) {
   if (!(plant.dt > 0) || !std::isfinite(plant.dt))
     throw InvalidInput(where, fmt::format("dt is {} s, expected a positive period", plant.dt));
   if (plant.A.empty() || plant.B.size() != plant.A.size())
-    throw InvalidInput(where, fmt::format("{} matrices A and {} B, expected as many of each and at "
-                                          "least one",
+    throw InvalidInput(where, fmt::format("there are {} matrices A and {} matrices B, expected "
+                                          "equal numbers and at least one",
                                           plant.A.size(), plant.B.size()));
   const Index nx = plant.A.front().rows();
   const Index nu = plant.B.front().cols();
@@ -195,7 +196,7 @@ PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law) {
   if (std::abs(law.dt - plant.dt) > 1e-9 * plant.dt)
     throw InvalidInput("periodic loop",
                        fmt::format("the plant is sampled every {} s, the law every "
-                                   "{} s, expected one period",
+                                   "{} s, expected the same period",
                                    plant.dt, law.dt));
   PeriodicLti loop;
   loop.dt = plant.dt;
@@ -260,7 +261,7 @@ PeriodicLti channel(const PeriodicLti& loop, Index index) {
   return one;
 }
 
-std::vector<PeriodicLti> own_channels(const PeriodicLti& loop) {
+std::vector<PeriodicLti> decoupled_channels(const PeriodicLti& loop) {
   const std::vector<std::vector<Index>> groups = independent(closed(loop));
   std::vector<PeriodicLti> channels;
   for (Index i = 0; i < loop.C.rows(); ++i) {

@@ -22,9 +22,9 @@ using Eigen::VectorXcd;
 
 }  // namespace
 
-/// With P(k, j) = A[k-1] … A[j] and λ = e^(jw dt): the state that repeats is
-/// x[0] = (λ^N - P(N, 0))⁻¹ Σ_j λ^j P(N, j+1) B[j], and the mean output
-/// 1/N Σ_k λ^-k C P(k, 0) x[0] + Σ_m λ^-m h[m], h[m] = 1/N Σ_{k ≥ m} C P(k, k-m+1) B[k-m].
+/// With P(k, j) = A[k-1] … A[j] and λ = e^(jw dt): the periodic state is x[0] = (λ^N - P(N, 0))⁻¹
+/// Σ_j λ^j P(N, j+1) B[j], and the mean output 1/N Σ_k λ^-k C P(k, 0) x[0] + Σ_m λ^-m h[m],
+/// h[m] = 1/N Σ_{k ≥ m} C P(k, k-m+1) B[k-m].
 struct MeanResponse::Reduced {
   double dt = 0;
   Index inputs = 0, outputs = 0;
@@ -98,13 +98,14 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
                                    loop.B.front().cols(), loop.C.rows()));
   if (!std::isfinite(skew))
     throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
-  // S: from what is added at the cut to what the plant gets, which is 1 less what comes back.
+  // S is the response from a signal added at the cut to the input of the plant: 1 minus the fed
+  // back signal.
   const auto closing = [](const PeriodicLti& open) {
     PeriodicLti result = open;
     result.A = closed(open);
     return result;
   };
-  // Of a loop that nothing goes round, any states will do.
+  // If no state is part of the loop, keep any.
   PeriodicLti part = loop_part(loop);
   if (part.C.cols() == 0) part = loop;
   const PeriodicLti closed_loop = closing(part);
@@ -117,8 +118,8 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
   const VectorXcd poles = periodic_poles(closed(loop));
   internal::ChannelResponse response;
   response.sensitivity = [&](double w) { return 1.0 - response_of_closed.at(w)(0, 0); };
-  // The open loop's own mean has poles wherever an integrator repeats, 2π/(N dt) apart, as narrow
-  // as rounding; the closed loop's has none.
+  // The mean response of the open loop has poles at the multiples of 2π/(N dt) for each integrator,
+  // as narrow as rounding; that of the closed loop does not.
   response.at = [&](double w) { return 1.0 / response.sensitivity(w) - 1.0; };
   response.again = [&](double w) { return 1.0 / (1.0 - again.at(w)(0, 0)) - 1.0; };
   response.grid = internal::loop_grid(

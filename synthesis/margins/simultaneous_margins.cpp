@@ -21,8 +21,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The largest singular value and its vectors: M v = σ u. By the eigenvalues of MᴴM, which is many
-/// times faster than all singular values, and as exact for the largest.
+/// The largest singular value and its vectors: M v = σ u. They are computed from the eigenvalues of
+/// MᴴM, which is many times faster than a full SVD and as accurate for the largest singular value.
 struct Largest {
   double sigma = 0;
   VectorXcd u, v;
@@ -45,14 +45,14 @@ MatrixXcd scaled(const MatrixXcd& M, const VectorXd& d) {
   return d.asDiagonal() * M * d.cwiseInverse().asDiagonal();
 }
 
-/// The scaling of least Frobenius norm (Osborne 1960): near the one of least largest singular
-/// value.
+/// Computes the scaling with the minimum Frobenius norm (Osborne 1960), which is close to that with
+/// the minimum largest singular value.
 VectorXd frobenius_scaling(const MatrixXcd& M) {
   const Index n = M.rows();
   VectorXd d = VectorXd::Ones(n);
   Eigen::MatrixXd squares = M.cwiseAbs2();
   squares.diagonal().setZero();
-  // Where one channel acts on another and not back, they would be driven apart without end.
+  // If one channel acts on another but not vice versa, their scales would diverge.
   constexpr double kFarthest = 1e8;
   for (int sweep = 0; sweep < 30; ++sweep) {
     double change = 0;
@@ -71,8 +71,8 @@ VectorXd frobenius_scaling(const MatrixXcd& M) {
   return d;
 }
 
-/// Lowers σ_max(D M D⁻¹), which is convex in the logarithms of D, by steps along its gradient
-/// σ (|uᵢ|² - |vᵢ|²) with halving.
+/// Minimizes σ_max(D M D⁻¹), which is convex in the logarithms of D, by gradient descent with step
+/// halving; the gradient is σ (|uᵢ|² - |vᵢ|²).
 double descend(const MatrixXcd& M, VectorXd& d) {
   Largest now = largest_singular_value(scaled(M, d));
   double step = 1;
@@ -98,9 +98,10 @@ double upper_bound(const MatrixXcd& M) {
   return descend(M, d);
 }
 
-/// ρ(U M), U turning each entry of the left singular vector onto the right one's: where D is best
-/// and σ_max single, both have entries of one size, and this is σ_max itself. Then the phases are
-/// turned towards those for which an eigenvector's shares yᵢ* xᵢ are all positive.
+/// Computes a lower bound ρ(U M). The initial U rotates each entry of the left singular vector to
+/// the phase of the right one: if D is optimal and σ_max is simple, the entries of both have equal
+/// magnitudes, and the bound is σ_max itself. The phases are then moved towards those for which the
+/// products yᵢ* xᵢ of the left and right eigenvectors are all positive.
 double phases_that_meet(const MatrixXcd& M) {
   const Largest largest = largest_singular_value(M);
   VectorXcd turn(M.rows());
@@ -134,7 +135,8 @@ StructuredGain structured_gain(const MatrixXcd& M) {
 
 namespace {
 
-/// Frequencies with upper bounds of μ there, each improved only where it may be the largest.
+/// Searches the maximum of the upper bound of μ over frequencies. A bound is improved only if it
+/// may be the largest.
 class PeakSearch {
  public:
   PeakSearch(const OpenLoop& loop, double skew)
@@ -143,7 +145,7 @@ class PeakSearch {
     if (!loop.discrete()) add(std::numeric_limits<double>::infinity());
   }
 
-  /// The largest upper bound and where.
+  /// Returns the largest upper bound and its frequency.
   [[nodiscard]] Peak find() {
     improve_largest();
     return internal::highest_peak([&](double w) { return upper_bound(at(w)); }, w_, upper_);
@@ -159,8 +161,8 @@ class PeakSearch {
     upper_.push_back(largest_singular_value(scaled(M, frobenius_scaling(M))).sigma);
   }
 
-  /// The best scaling, which costs a hundred times as much, from the largest bound down, until what
-  /// is left is no larger than what was found.
+  /// Computes the optimal scaling, which costs a hundred times as much, starting with the largest
+  /// bound, until no remaining bound is larger than the largest improved one.
   void improve_largest() {
     std::vector<std::size_t> order(w_.size());
     std::iota(order.begin(), order.end(), 0);

@@ -18,24 +18,26 @@ std::string written(std::complex<double> root) {
   return fmt::format("{:.4g} +- {:.4g}i", root.real(), std::abs(root.imag()));
 }
 
-/// Why the plant's step response does not settle at a gain other than 0; empty when it does.
+/// The reason why the step response of the plant does not converge to a value other than 0; empty
+/// if it does.
 std::string unsettled(const ContinuousTransferFunction& plant) {
-  if (plant.den.size() < 2) return "the plant has no pole, so there is no lag to be fitted";
+  if (plant.den.size() < 2) return "the plant has no pole, so there is no lag to fit";
   const Eigen::VectorXcd poles = polynomial_roots(plant.den);
   for (Eigen::Index i = 0; i < poles.size(); ++i)
     if (!(poles[i].real() < -1e-12 * poles.cwiseAbs().maxCoeff()))
-      return fmt::format("the pole at {} does not settle", written(poles[i]));
+      return fmt::format("the pole at {} is not stable", written(poles[i]));
   if (plant.num[plant.num.size() - 1] == 0) return "the plant's gain is 0";
   return "";
 }
 
-/// Step response at time t without the delay: the hold over t, exactly.
+/// Computes the step response at time t without the delay, exactly, from the hold over t.
 double step_at(const ContinuousLti& plant, double t) {
   const double direct = plant.D.size() > 0 ? plant.D(0, 0) : 0;
   return plant.C.row(0).dot(discretize_zoh(plant, t).B.col(0)) + direct;
 }
 
-/// First time at which the response is `part` of its way; empty when it starts beyond.
+/// Computes the first time at which the response reaches the fraction `part` of its final value;
+/// empty if it already exceeds it at 0.
 std::optional<double> first_passage(const ContinuousLti& plant, const std::vector<double>& times,
                                     double gain, double part) {
   const auto beyond = [&](double t) { return step_at(plant, t) / gain - part; };
@@ -49,7 +51,7 @@ std::optional<double> first_passage(const ContinuousLti& plant, const std::vecto
   return internal::crossing(beyond, times[k - 1], times[k], before, here);
 }
 
-/// Lags in falling order and the delay that cannot be helped, or why there are none.
+/// Lags in decreasing order and the delay, or the reason why there are none.
 struct Lags {
   double gain = 0;
   std::vector<double> lags;
@@ -65,10 +67,11 @@ Lags lags_of(const ContinuousTransferFunction& plant) {
   result.delay = plant.delay;
   const Eigen::VectorXcd poles = polynomial_roots(plant.den);
   for (Eigen::Index i = 0; i < poles.size(); ++i) {
-    // Equal poles come out as pairs that are complex by rounding, up to its n-th root.
+    // Computed multiple poles are complex pairs; their imaginary parts are of the order of the n-th
+    // root of the rounding error.
     if (std::abs(poles[i].imag()) > 1e-3 * std::abs(poles[i])) {
       result.culprit = fmt::format(
-          "the half rule has nothing to say of poles at {}, which "
+          "the half rule does not apply to poles at {}, which "
           "oscillate",
           written(poles[i]));
       return result;
@@ -79,7 +82,7 @@ Lags lags_of(const ContinuousTransferFunction& plant) {
   for (Eigen::Index i = 0; i < zeros.size(); ++i) {
     if (zeros[i].imag() != 0 || !(zeros[i].real() > 0)) {
       result.culprit =
-          fmt::format("the half rule has nothing to say of the zero at {}", written(zeros[i]));
+          fmt::format("the half rule does not apply to the zero at {}", written(zeros[i]));
       return result;
     }
     result.delay += 1 / zeros[i].real();
@@ -88,7 +91,8 @@ Lags lags_of(const ContinuousTransferFunction& plant) {
   return result;
 }
 
-/// Keeps the `kept` largest lags: the half of the next goes to the last of them, the rest to delay.
+/// Keeps the `kept` largest lags: half of the next lag is added to the last of them, and the rest
+/// to the delay.
 void apply_half_rule(Lags& lags, std::size_t kept) {
   if (lags.lags.size() > kept) {
     lags.lags[kept - 1] += lags.lags[kept] / 2;
@@ -118,7 +122,8 @@ LagFit<FopdtModel> fit_fopdt(const ContinuousTransferFunction& plant) {
   const std::optional<double> t28 = first_passage(model, times, gain, 1 - std::exp(-1.0 / 3));
   const std::optional<double> t63 = first_passage(model, times, gain, 1 - std::exp(-1.0));
   if (!t28 || !t63) {
-    fit.culprit = "the step response jumps past 28 % of its way at once: there is no lag to fit";
+    fit.culprit =
+        "the step response jumps past 28 % of its final value at t = 0: there is no lag to fit";
     return fit;
   }
   const double T = 1.5 * (*t63 - *t28);
@@ -138,7 +143,7 @@ LagFit<SopdtModel> half_rule_sopdt(const ContinuousTransferFunction& plant) {
   validate(plant, "half_rule_sopdt");
   Lags lags = lags_of(plant);
   if (!lags.culprit.empty()) return {{}, lags.culprit};
-  if (lags.lags.size() < 2) return {{}, "the plant has one lag, and the model needs two"};
+  if (lags.lags.size() < 2) return {{}, "the plant has one lag, but the model needs two"};
   apply_half_rule(lags, 2);
   return {{lags.gain, lags.lags[0], lags.lags[1], lags.delay}, ""};
 }

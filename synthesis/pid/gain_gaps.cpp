@@ -16,12 +16,12 @@ double dot(std::complex<double> a, std::complex<double> b) {
 
 }  // namespace
 
-void forbid(const AffineResponse& larger, const AffineResponse& smaller, double least, double w,
+void forbid(const AffineResponse& larger, const AffineResponse& smaller, double min, double w,
             std::vector<GainInterval>& forbidden) {
   // square g² + 2 half g + constant must not be negative.
   const double square = std::norm(larger.beta) - std::norm(smaller.beta);
   const double half = dot(larger.alpha, larger.beta) - dot(smaller.alpha, smaller.beta);
-  const double constant = std::norm(larger.alpha) - std::norm(smaller.alpha) - least * least;
+  const double constant = std::norm(larger.alpha) - std::norm(smaller.alpha) - min * min;
   const auto add = [&](double low, double high) {
     if (high > 0 && high > low) forbidden.push_back({std::max(low, 0.0), high, w});
   };
@@ -48,7 +48,8 @@ void forbid(const AffineResponse& larger, const AffineResponse& smaller, double 
   }
 }
 
-std::vector<GainInterval> gaps_between(std::vector<GainInterval>& forbidden, double& reached) {
+std::vector<GainInterval> feasible_intervals(std::vector<GainInterval>& forbidden,
+                                             double& reached) {
   std::sort(forbidden.begin(), forbidden.end(),
             [](const GainInterval& p, const GainInterval& q) { return p.low < q.low; });
   std::vector<GainInterval> gaps;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What bounds on a loop leave of one of its gains when the others stand.
+/// Feasible intervals of one gain of a loop with bounds, with all other gains fixed.
 #pragma once
 
 #include <complex>
@@ -7,27 +7,29 @@
 
 namespace quadtune::internal {
 
-/// An interval of the gain, and the frequency [rad/s] whose bound ends it.
+/// An interval of the gain, and the frequency [rad/s] of the bound at its end.
 struct GainInterval {
   double low = 0;
   double high = 0;
   double w = 0;
 };
 
-/// α + β g: a response that moves in proportion to the gain g.
+/// A response α + β g that is affine in the gain g.
 struct AffineResponse {
   std::complex<double> alpha;
   std::complex<double> beta;
 };
 
-/// Appends the values of g > 0 at which |larger|² < |smaller|² + least²: between the roots of a
-/// quadratic in g, or beyond them.
-void forbid(const AffineResponse& larger, const AffineResponse& smaller, double least, double w,
+/// Appends the intervals of g > 0 in which |larger|² < |smaller|² + least²: between the roots of a
+/// quadratic function of g, or outside them.
+void forbid(const AffineResponse& larger, const AffineResponse& smaller, double min, double w,
             std::vector<GainInterval>& forbidden);
 
-/// What is left of g > 0, by size. `forbidden` is sorted. The last is left out if nothing ends it.
-/// @param reached  receives where the last forbidden interval ends: infinite if none is left beyond
-[[nodiscard]] std::vector<GainInterval> gaps_between(std::vector<GainInterval>& forbidden,
-                                                     double& reached);
+/// Computes the feasible intervals of g > 0 in increasing order, without the last one if it has no
+/// upper end. Sorts `forbidden`.
+/// @param reached  out: the end of the last forbidden interval; infinite if no gain beyond it is
+///                 feasible
+[[nodiscard]] std::vector<GainInterval> feasible_intervals(std::vector<GainInterval>& forbidden,
+                                                           double& reached);
 
 }  // namespace quadtune::internal

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// The place of the maximum of f in [low, high], by golden section: f has an order and no slope.
+/// Computes the argument of the maximum of f in [low, high] by golden section search, which needs
+/// only comparisons.
 template <class F>
 double golden_section(const F& f, double low, double high, double width) {
   constexpr double kGolden = 0.6180339887498949;
@@ -37,7 +38,7 @@ double golden_section(const F& f, double low, double high, double width) {
   return at_a > at_b ? a : b;
 }
 
-/// The same around `centre`, and as long as it is found at an end, from there again.
+/// The same around `centre`; repeated from the result while that is at an end of the interval.
 template <class F>
 double climb_from(const F& f, double centre, double reach, double width) {
   for (int move = 0; move < 20; ++move) {
@@ -50,23 +51,23 @@ double climb_from(const F& f, double centre, double reach, double width) {
 
 }  // namespace
 
-bool GreatestGain::operator>(const GreatestGain& other) const {
+bool MaxGain::operator>(const MaxGain& other) const {
   if (status != other.status) return status > other.status;
   return within_bounds() ? log_gain > other.log_gain : violation < other.violation;
 }
 
-GreatestGain GainSearch::greatest(const GainPoint& x) {
+MaxGain GainSearch::max(const GainPoint& x) {
   ++evaluations_;
   const PidGains base = problem_.gains(x, -kUnbounded);
   forbidden_.clear();
   problem_.forbid_on_grid(base, forbidden_);
   double reached = 0;
-  const std::vector<GainInterval> gaps = gaps_between(forbidden_, reached);
+  const std::vector<GainInterval> gaps = feasible_intervals(forbidden_, reached);
   if (problem_.is_unlimited(x, reached)) return {GainStatus::within_bounds, 0, kUnbounded};
   for (std::size_t k = gaps.size(); k-- > 0;) {
     const double log_gain = log_end_of(gaps[k], base);
     const PidGains found = problem_.gains(x, log_gain);
-    // Between two frequencies of the grid more may be forbidden.
+    // The gain may also violate a bound between two frequencies of the grid.
     constexpr double kSlack = 1e-7;
     if (!problem_.stable(found) || problem_.excess(found) > kSlack) continue;
     const double load = problem_.load_excess(found);
@@ -76,12 +77,13 @@ GreatestGain GainSearch::greatest(const GainPoint& x) {
   return {GainStatus::out_of_bounds, std::max(problem_.excess(base), 0.0), -kUnbounded};
 }
 
-/// The minimum over the frequencies around the one that ends the gap, and a hair below it.
+/// Computes the end of a gap: slightly below the minimum over the frequencies around the one whose
+/// bound ends it.
 double GainSearch::log_end_of(const GainInterval& gap, const PidGains& base) const {
   const auto end = [&](double w) {
     std::vector<GainInterval> here;
     problem_.forbid_at(base, w, here);
-    double lowest = 2 * gap.high;  // finite where nothing is forbidden
+    double lowest = 2 * gap.high;  // finite even if nothing is forbidden
     for (const GainInterval& f : here)
       if (f.low > gap.low) lowest = std::min(lowest, f.low);
     return lowest;
@@ -90,15 +92,15 @@ double GainSearch::log_end_of(const GainInterval& gap, const PidGains& base) con
   const auto at = std::lower_bound(grid.begin(), grid.end(), gap.w);
   const double before = at == grid.begin() ? *at : *std::prev(at);
   const double after = at + 1 == grid.end() ? *at : *std::next(at);
-  constexpr int kBits = 15;  // 1e-6 of the frequency
+  constexpr int kBits = 15;  // about 1e-6 of the frequency
   return std::log(std::min(gap.high, lowest_between(end, before, after, kBits).value)) - 1e-9;
 }
 
 GainPoint GainSearch::best_of(const std::vector<GainPoint>& points) {
   GainPoint best;
-  GreatestGain best_gain;
+  MaxGain best_gain;
   for (const GainPoint& x : points) {
-    const GreatestGain found = greatest(x);
+    const MaxGain found = max(x);
     if (!(found > best_gain)) continue;
     best_gain = found;
     best = x;
@@ -112,7 +114,7 @@ GainPoint GainSearch::climb(GainPoint x, const ClimbRange& range) {
     if (range.over_Kp)
       x.log_Kp = climb_from(
           [&](double log_Kp) {
-            return greatest({log_Kp, inside});
+            return max({log_Kp, inside});
           },
           x.log_Kp, range.Kp_reach, range.Kp_width);
     return {x.log_Kp, inside};
@@ -120,8 +122,8 @@ GainPoint GainSearch::climb(GainPoint x, const ClimbRange& range) {
   if (range.over_Kd)
     x.log_Kd = climb_from(
         [&](double log_Kd) {
-          GreatestGain found = greatest(at_Kd(log_Kd));
-          // Beyond the end it falls, so that the search turns back.
+          MaxGain found = max(at_Kd(log_Kd));
+          // Decrease the objective beyond the maximum Kd, so that the search returns.
           const double beyond = std::max(0.0, log_Kd - range.log_Kd_max);
           found.log_gain -= beyond;
           found.violation += beyond;

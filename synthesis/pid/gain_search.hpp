@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The greatest gain of a PID loop within bounds, and the search over the other gains.
+/// Maximizes one gain of a PID loop within bounds, and searches over the other gains.
 #pragma once
 
 #include <limits>
@@ -10,37 +10,38 @@
 
 namespace quadtune::internal {
 
-/// The gains over which a search moves. A problem may ignore either.
+/// The gains that are searched. A problem may ignore either of them.
 struct GainPoint {
   double log_Kp = 0;
   double log_Kd = 0;
 };
 
-/// A loop with bounds, of whose gains one is to be as large as possible.
+/// A loop with bounds and one gain that is to be maximized.
 ///
-/// For given other gains the loop's response is affine in that gain, and each bound at each
-/// frequency forbids intervals of it; see forbid().
+/// If the other gains are fixed, the response of the loop is affine in that gain, and each bound at
+/// each frequency forbids intervals of it; see forbid().
 class GainProblem {
  public:
   virtual ~GainProblem() = default;
 
-  /// @param log_gain  of the gain to be maximized; -∞ for 0
+  /// Returns all gains.
+  /// @param log_gain  logarithm of the gain to maximize; -∞ for a gain of 0
   [[nodiscard]] virtual PidGains gains(const GainPoint& x, double log_gain) const = 0;
-  /// Frequencies [rad/s].
+  /// The frequency grid [rad/s].
   [[nodiscard]] virtual const std::vector<double>& grid() const = 0;
-  /// Appends what all frequencies of the grid forbid.
-  /// @param base  gains() with the maximized one 0
+  /// Appends the forbidden intervals of all frequencies of the grid.
+  /// @param base  gains() with the maximized gain set to 0
   virtual void forbid_on_grid(const PidGains& base, std::vector<GainInterval>& forbidden) const = 0;
-  /// Appends what one frequency forbids.
+  /// Appends the forbidden intervals of one frequency.
   virtual void forbid_at(const PidGains& base, double w,
                          std::vector<GainInterval>& forbidden) const = 0;
   [[nodiscard]] virtual bool stable(const PidGains& gains) const = 0;
-  /// log of the largest ratio of a quantity to its bound; ≤ 0 within all bounds.
+  /// Logarithm of the largest ratio of a quantity to its bound; ≤ 0 if all bounds are satisfied.
   [[nodiscard]] virtual double excess(const PidGains& gains) const = 0;
-  /// The same for a bound on the response to a load, which is not one at each frequency.
+  /// The same for the bound on the load response, which is not a bound at each frequency.
   [[nodiscard]] virtual double load_excess(const PidGains& /*gains*/) const { return 0; }
-  /// Whether no gain is too large.
-  /// @param reached  beyond which no frequency forbids any
+  /// Whether the gain is unbounded above.
+  /// @param reached  gain above which no frequency forbids any
   [[nodiscard]] virtual bool is_unlimited(const GainPoint& /*x*/, double /*reached*/) const {
     return false;
   }
@@ -51,53 +52,54 @@ class GainProblem {
   GainProblem& operator=(const GainProblem&) = default;
 };
 
-/// From worst to best.
+/// The outcome for given other gains, in order from worst to best.
 enum class GainStatus {
-  out_of_bounds,  ///< no gain keeps the bounds at all frequencies
-  load_exceeded,  ///< a gain does, but the response to a load exceeds its bound
+  out_of_bounds,  ///< no gain satisfies the bounds at all frequencies
+  load_exceeded,  ///< a gain does, but the load response exceeds its bound
   within_bounds,
 };
 
-/// The greatest gain for given others. Ordered: the better status, then the smaller violation, or
-/// the greater gain within the bounds.
-struct GreatestGain {
+/// The maximum gain for given other gains. A result is greater if its status is better or, for
+/// equal status, if its violation is smaller (outside the bounds) or its gain larger (within them).
+struct MaxGain {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   GainStatus status = GainStatus::out_of_bounds;
-  double violation = kInfinity;  ///< log of the largest ratio to a bound, ≥ 0
+  double violation = kInfinity;  ///< logarithm of the largest ratio to a bound, ≥ 0
   double log_gain = -kInfinity;  ///< infinite if unlimited
 
   [[nodiscard]] bool within_bounds() const { return status == GainStatus::within_bounds; }
-  [[nodiscard]] bool operator>(const GreatestGain& other) const;
+  [[nodiscard]] bool operator>(const MaxGain& other) const;
 };
 
-/// Where GainSearch::climb() moves, and how finely.
+/// Options of GainSearch::climb().
 struct ClimbRange {
   bool over_Kp = true;
   bool over_Kd = true;
-  double Kp_reach = 0.5;   ///< first moves of log Kp go so far
-  double Kd_reach = 0.7;   ///< and of log Kd
-  double Kp_width = 1e-6;  ///< to which log Kp is found
-  double Kd_width = 1e-6;  ///< and log Kd
+  double Kp_reach = 0.5;   ///< initial half-width of the search interval in log Kp
+  double Kd_reach = 0.7;   ///< the same in log Kd
+  double Kp_width = 1e-6;  ///< accuracy of log Kp
+  double Kd_width = 1e-6;  ///< accuracy of log Kd
   double log_Kd_max = std::numeric_limits<double>::infinity();
 };
 
-/// A local search. It compares outcomes and never interpolates them: where two bounds meet they
-/// have a ridge, and a change of status has no slope.
+/// A local search. It only compares outcomes and never interpolates them, because the objective has
+/// a ridge where two bounds are active and is discontinuous where the status changes.
 class GainSearch {
  public:
-  /// @param problem  outlives the search
+  /// @param problem  must outlive the search
   explicit GainSearch(const GainProblem& problem) : problem_(problem) {}
 
-  /// All frequencies leave intervals of the gain, in each of which the loop is stable or not as a
-  /// whole: the end of the highest in which it is.
-  [[nodiscard]] GreatestGain greatest(const GainPoint& x);
+  /// Maximizes the gain for given other gains. All frequencies together leave feasible intervals; a
+  /// loop is either stable or unstable in the whole of an interval. The result is the end of the
+  /// highest interval with a stable loop.
+  [[nodiscard]] MaxGain max(const GainPoint& x);
 
-  /// The first of the best.
+  /// Returns the best point, the first one if several are equal.
   [[nodiscard]] GainPoint best_of(const std::vector<GainPoint>& points);
 
-  /// Climbs over Kp for every Kd, and over Kd: along a ridge a step in both at once would be
-  /// needed.
+  /// Maximizes over Kd, and for every Kd over Kp. Nested searches follow a ridge, along which
+  /// separate steps in Kp and Kd would not improve the result.
   [[nodiscard]] GainPoint climb(GainPoint x, const ClimbRange& range);
 
   [[nodiscard]] int evaluations() const { return evaluations_; }
@@ -106,7 +108,7 @@ class GainSearch {
   [[nodiscard]] double log_end_of(const GainInterval& gap, const PidGains& base) const;
 
   const GainProblem& problem_;
-  std::vector<GainInterval> forbidden_;  ///< kept, so that it is not allocated anew
+  std::vector<GainInterval> forbidden_;  ///< a member to reuse its memory
   int evaluations_ = 0;
 };
 

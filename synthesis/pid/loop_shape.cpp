@@ -15,7 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-/// p + q, both in descending powers.
+/// p + q, polynomials with coefficients in descending powers.
 Eigen::VectorXd sum(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(std::max(p.size(), q.size()));
   result.tail(p.size()) += p;
@@ -23,8 +23,8 @@ Eigen::VectorXd sum(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
   return result;
 }
 
-/// By how much arg F(jω) turns from one frequency to another, halving until no step turns far.
-/// Not a number where F passes through 0.
+/// Computes the change of arg F(jω) between two frequencies, bisecting until every step is small.
+/// NaN if F passes through 0.
 template <class F>
 double turn(const F& f, double low, Complex f_low, double high, Complex f_high, int depth) {
   const double middle = low + (high - low) / 2;
@@ -37,7 +37,7 @@ double turn(const F& f, double low, Complex f_low, double high, Complex f_high, 
          turn(f, middle, f_middle, high, f_high, depth + 1);
 }
 
-/// What arg(jω - p), summed over the roots p, still turns from ω = w to infinity.
+/// The change of arg(jω - p), summed over the roots p, from ω = w to infinity.
 double remaining_turn(const Eigen::VectorXcd& roots, double w) {
   double sum = 0;
   for (Eigen::Index i = 0; i < roots.size(); ++i) {
@@ -47,7 +47,8 @@ double remaining_turn(const Eigen::VectorXcd& roots, double w) {
   return sum;
 }
 
-/// Where |L| stays below `bound` for good, given that it falls beyond the grid.
+/// Computes a frequency above which |L| remains below `bound`, given that |L| decreases beyond the
+/// grid.
 double last_frequency_of_note(const ContinuousTransferFunction& loop,
                               const std::vector<double>& grid, double bound) {
   const auto size = [&](double w) {
@@ -61,14 +62,14 @@ double last_frequency_of_note(const ContinuousTransferFunction& loop,
   return w;
 }
 
-/// F(jω) = den + num e^(-jω delay) turns by n π/2 from ω = 0 to infinity if and only if none of its
-/// roots lies right; each that does takes π away (Mikhailov).
+/// Mikhailov's criterion: arg F(jω), F = den + num e^(-jω delay), increases by n π/2 from ω = 0 to
+/// infinity if and only if no root of F is in the right half-plane; each such root reduces it by π.
 bool mikhailov_stable(const ContinuousTransferFunction& loop, const std::vector<double>& grid) {
   const double delay = loop.delay;
   const auto n = static_cast<double>(loop.den.size() - 1);
   const double at_infinity =
       loop.num.size() == loop.den.size() ? std::abs(loop.num[0] / loop.den[0]) : 0;
-  if (!(at_infinity < 1)) return false;  // infinitely many roots right or on the axis
+  if (!(at_infinity < 1)) return false;  // infinitely many roots are not stable
   const auto F = [&](double w) {
     return polynomial(loop.den, {0, w}) +
            polynomial(loop.num, {0, w}) * std::polar(1.0, -w * delay);
@@ -88,7 +89,7 @@ bool mikhailov_stable(const ContinuousTransferFunction& loop, const std::vector<
     w = next;
     f = f_next;
   }
-  // F = den (1 + L), and from here on 1 + L turns no more than it returns.
+  // F = den (1 + L); beyond `end`, |L| < 1, so that arg(1 + L) returns to its value at infinity.
   total += remaining_turn(polynomial_roots(loop.den), end);
   total -= std::arg(1.0 + polynomial(loop.num, {0, end}) / polynomial(loop.den, {0, end}) *
                               std::polar(1.0, -end * delay));
@@ -109,10 +110,10 @@ std::vector<double> plant_grid(const ContinuousTransferFunction& plant,
       std::all_of(landmarks.roots.begin(), landmarks.roots.end(), at_rest))
     landmarks.corners.push_back(1);
   landmarks.delay = plant.delay;
-  // Beyond, every size of L that matters has occurred at every phase.
+  // Beyond this phase, every relevant |L| has occurred at every phase.
   landmarks.delay_phase = 50;
   std::vector<double> grid = loop_grid(landmarks);
-  grid.erase(grid.begin());  // an integral has no value at 0
+  grid.erase(grid.begin());  // the response of an integral is infinite at 0
   return grid;
 }
 
@@ -177,22 +178,22 @@ double LoopShape::noise_gain(const PidGains& gains) const {
   return highest_peak(gain, grid_, values).value;
 }
 
-LeastPhaseMargin LoopShape::least_phase_margin(const PidGains& gains) const {
+MinPhaseMargin LoopShape::min_phase_margin(const PidGains& gains) const {
   std::vector<double> values(grid_.size());
   for (std::size_t k = 0; k < grid_.size(); ++k)
     values[k] = std::log(std::abs(gains({0, grid_[k]}) * responses_[k]));
-  LeastPhaseMargin least;
+  MinPhaseMargin min;
   for (const double w :
        crossings([&](double at_w) { return std::log(std::abs(at(gains, at_w))); }, grid_, values)) {
     const double margin = std::arg(-at(gains, w));
-    if (least.w == 0 || std::abs(margin) < std::abs(least.margin)) {
-      least.w = w;
-      least.margin = margin;
+    if (min.w == 0 || std::abs(margin) < std::abs(min.margin)) {
+      min.w = w;
+      min.margin = margin;
     }
-    least.last_w = w;
-    least.last_margin = margin;
+    min.last_w = w;
+    min.last_margin = margin;
   }
-  return least;
+  return min;
 }
 
 }  // namespace quadtune::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One plant under many PID controllers: what a search asks of each of them.
+/// Properties of the loops of one plant with many PID controllers, for searches over gains.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,9 +18,9 @@ struct SensitivityPeaks {
   double w_Mt = 0;  ///< [rad/s]
 };
 
-struct LeastPhaseMargin {
-  double w = 0;       ///< [rad/s]; 0 when |L| is nowhere 1
-  double margin = 0;  ///< [rad], least in size
+struct MinPhaseMargin {
+  double w = 0;       ///< [rad/s]; 0 if |L| is nowhere 1
+  double margin = 0;  ///< [rad], that of minimum magnitude
   double last_w = 0;  ///< the highest frequency at which |L| = 1 [rad/s]
   double last_margin = 0;
 };
@@ -32,17 +32,18 @@ class LoopShape {
   /// @param corners  further frequencies that the grid must contain with its decades [rad/s]
   LoopShape(const ContinuousTransferFunction& plant, const std::vector<double>& corners);
 
-  /// Whether the closed loop has all its poles left: by their polynomial, or with a delay by
-  /// Mikhailov's criterion, which follows the argument of den(jω) + num(jω) e^(-jω delay). False as
-  /// well for loops that differentiate, and for those that hide a pole at 0.
+  /// Whether all poles of the closed loop are in the open left half-plane. Computed from the
+  /// characteristic polynomial or, with a delay, by Mikhailov's criterion, which follows the
+  /// argument of den(jω) + num(jω) e^(-jω delay). Also false for improper loops, and for those with
+  /// a cancelled pole at 0.
   [[nodiscard]] bool stable(const PidGains& gains) const;
   [[nodiscard]] SensitivityPeaks peaks(const PidGains& gains) const;
-  /// max |C/(1 + L)|, as far as the grid goes.
+  /// max |C/(1 + L)| over the frequencies of the grid.
   [[nodiscard]] double noise_gain(const PidGains& gains) const;
-  [[nodiscard]] LeastPhaseMargin least_phase_margin(const PidGains& gains) const;
+  [[nodiscard]] MinPhaseMargin min_phase_margin(const PidGains& gains) const;
 
   [[nodiscard]] std::complex<double> at(const PidGains& gains, double w) const;
-  /// Of the plant's response to what is slow: 1 or -1.
+  /// Sign of the plant's response at low frequencies: 1 or -1.
   [[nodiscard]] double low_frequency_sign() const;
   [[nodiscard]] const std::vector<double>& grid() const { return grid_; }
   [[nodiscard]] const std::vector<std::complex<double>>& plant_responses() const {
@@ -52,7 +53,7 @@ class LoopShape {
  private:
   ContinuousTransferFunction plant_;
   std::vector<double> grid_;                     ///< [rad/s]
-  std::vector<std::complex<double>> responses_;  ///< of the plant
+  std::vector<std::complex<double>> responses_;  ///< plant responses on the grid
 };
 
 }  // namespace quadtune::internal

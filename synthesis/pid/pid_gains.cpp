@@ -46,8 +46,8 @@ std::ostream& operator<<(std::ostream& out, const PidGains& gains) {
 PidStandard standard_form(const PidGains& gains) {
   if (gains.Kp == 0 && (gains.Ki != 0 || gains.Kd != 0))
     throw InvalidInput("standard_form",
-                       fmt::format("Kp is 0 with Ki {} and Kd {}, expected another "
-                                   "Kp because the standard form multiplies by it",
+                       fmt::format("Kp is 0 with Ki {} and Kd {}, expected a Kp other "
+                                   "than 0 because the standard form multiplies by it",
                                    gains.Ki, gains.Kd));
   PidStandard standard;
   standard.K = gains.Kp;
@@ -59,8 +59,8 @@ PidStandard standard_form(const PidGains& gains) {
 
 PidGains parallel_form(const PidStandard& standard) {
   if (standard.Ti == 0 || standard.Ti != standard.Ti)
-    throw InvalidInput("parallel_form", fmt::format("Ti is {} s, expected another number because "
-                                                    "Ki = K/Ti",
+    throw InvalidInput("parallel_form", fmt::format("Ti is {} s, expected a number other than 0 "
+                                                    "because Ki = K/Ti",
                                                     standard.Ti));
   return {standard.K, standard.K / standard.Ti, standard.K * standard.Td, standard.Tf};
 }

@@ -19,14 +19,14 @@
 namespace quadtune {
 namespace {
 
-using internal::LeastPhaseMargin;
 using internal::LoopShape;
+using internal::MinPhaseMargin;
 using internal::SensitivityPeaks;
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
 constexpr double kDegree = pi / 180;
-// Every crossover that was tried is possible.
+// All crossovers of the scan are feasible.
 constexpr double kNoHighestCrossover = std::numeric_limits<double>::infinity();
 
 void validate(const LoopRequirement& requirement) {
@@ -48,22 +48,22 @@ void validate(const LoopRequirement& requirement) {
 
 double in_turn(double angle) { return std::remainder(angle, 2 * pi); }
 
-/// What C(jω) has to be, and all controllers of a type with that value: with the derivative's
-/// j ω/(1 + j ω Tf) = a + j b,
+/// The required value of C(jω), and the controllers that have it. With j ω/(1 + j ω Tf) = a + j b
+/// of the derivative,
 ///     Kp + a Kd = Re C,   b Kd - Ki/ω = Im C
 struct Target {
   double w = 0;
   double Tf = 0;
-  double X = 0;  ///< Re C, made ≥ 0
-  double Y = 0;  ///< Im C
+  double X = 0;  ///< Re C times sign, ≥ 0
+  double Y = 0;  ///< Im C times sign
   double a = 0;
   double b = 0;
-  double sign = 1;  ///< of all gains
+  double sign = 1;  ///< sign of all gains
 
-  /// The controller of the line of solutions at this Kd.
+  /// The controller with this Kd on the line of solutions.
   [[nodiscard]] PidGains at(double Kd) const {
     const double Ki = w * (b * Kd - Y);
-    // Rounding would leave an integral too weak to see and too slow to settle.
+    // A Ki that is only rounding would be a negligible integral with an extremely slow pole.
     const bool integral = Ki > 1e-13 * w * (b * Kd + std::abs(Y));
     return {sign * std::max(X - a * Kd, 0.0), integral ? sign * Ki : 0, sign * Kd,
             Kd != 0 ? Tf : 0};
@@ -82,16 +82,16 @@ Target target(Complex C, double w, double Tf) {
   return t;
 }
 
-/// Rounding may leave a gain that should be 0 on the wrong side of it.
+/// Whether a value is ≥ 0 up to rounding.
 bool not_negative(double value, double scale) { return value >= -1e-12 * scale; }
 
-/// (X - a Kd)² = 4 Kd ω (b Kd - Y), that is Kp² = 4 Kd Ki. The product of the roots is
-/// X²/(a² - 4 ω b) < 0, so that one of them is positive.
+/// Solves (X - a Kd)² = 4 Kd ω (b Kd - Y), that is Kp² = 4 Kd Ki, for Kd. The product of the roots
+/// is X²/(a² - 4 ω b) < 0, so that exactly one of them is positive.
 double Kd_of_double_zero(const Target& t) {
   const double square = t.a * t.a - 4 * t.w * t.b;
   const double half = 2 * t.w * t.Y - t.a * t.X;
   const double root = std::sqrt(half * half - square * t.X * t.X);
-  // Of both forms of the positive root, the one that does not cancel.
+  // Use the form of the positive root without cancellation.
   return half > 0 ? -(half + root) / square : t.X * t.X / (root - half);
 }
 
@@ -107,23 +107,23 @@ class Problem {
   }
 
   struct Attempt {
-    PidLoopStatus status = PidLoopStatus::phase_out_of_reach;
+    PidLoopStatus status = PidLoopStatus::phase_infeasible;
     PidGains gains;
-    double evidence = 0;  ///< of the status: the other crossover's margin, or the least Ms
-    double at = 0;        ///< [rad/s] where
+    double evidence = 0;  ///< margin of the other crossover, or minimum Ms, by status
+    double at = 0;        ///< its frequency [rad/s]
   };
 
   [[nodiscard]] Attempt attempt(double w) const {
     Attempt result = attempt_any_sign(w);
-    // Gains of the wrong sign meet the phase half a turn away and never stabilize a stable plant
-    // with integral action: then it is the phase that could not be had.
+    // Gains of the wrong sign meet the phase with an offset of π and never stabilize a stable plant
+    // with integral action. In that case the required phase is out of reach.
     if (result.status == PidLoopStatus::unstable && result.gains.Kp * low_sign_ < 0 &&
         !plant_unstable_)
-      result.status = PidLoopStatus::phase_out_of_reach;
+      result.status = PidLoopStatus::phase_infeasible;
     return result;
   }
 
-  /// What the phase of C has to be for a plant of positive sign, [rad].
+  /// The required phase of C for a plant of positive sign [rad].
   [[nodiscard]] double needed_phase(double w) const {
     return in_turn(requirement_.phase_margin - pi - std::arg(low_sign_ * plant_({0, w})));
   }
@@ -150,7 +150,7 @@ class Problem {
         return judged({t.sign * std::max(t.X - t.a * Kd, 0.0), 0, t.sign * Kd, requirement_.Tf}, w);
       }
       case PidType::PID:
-        if (requirement_.freedom == PidFreedom::greatest_Ki) return greatest_Ki(t);
+        if (requirement_.freedom == PidFreedom::max_Ki) return max_Ki(t);
         const double Kd = Kd_of_double_zero(t);
         if (!(Kd >= 0) || !not_negative(t.X - t.a * Kd, scale)) return {};
         return judged(t.at(Kd), w);
@@ -158,14 +158,14 @@ class Problem {
     return {};
   }
 
-  /// A P controller meets the crossover and must have at least the margin.
+  /// A P controller meets the crossover; its phase margin must be at least the required one.
   [[nodiscard]] Attempt proportional(Complex P, double w) const {
     Attempt first = judged({low_sign_ / std::abs(P), 0, 0, 0}, w);
     if (first.status == PidLoopStatus::solved) return first;
     const Attempt second = judged({-low_sign_ / std::abs(P), 0, 0, 0}, w);
     if (second.status == PidLoopStatus::solved) return second;
     if (first.status == PidLoopStatus::other_crossover)
-      first.status = PidLoopStatus::phase_out_of_reach;
+      first.status = PidLoopStatus::phase_infeasible;
     return first;
   }
 
@@ -177,15 +177,15 @@ class Problem {
       result.status = PidLoopStatus::unstable;
       return result;
     }
-    const LeastPhaseMargin least = shape_.least_phase_margin(gains);
-    if (!(std::abs(least.margin) >= requirement_.phase_margin - 1e-7)) {
+    const MinPhaseMargin min = shape_.min_phase_margin(gains);
+    if (!(std::abs(min.margin) >= requirement_.phase_margin - 1e-7)) {
       result.status = PidLoopStatus::other_crossover;
-      result.evidence = least.margin;
-      result.at = least.w;
-    } else if (!(std::abs(least.last_w - w) <= 1e-6 * w)) {
+      result.evidence = min.margin;
+      result.at = min.w;
+    } else if (!(std::abs(min.last_w - w) <= 1e-6 * w)) {
       result.status = PidLoopStatus::other_crossover;
-      result.evidence = least.last_margin;
-      result.at = least.last_w;
+      result.evidence = min.last_margin;
+      result.at = min.last_w;
     }
     return result;
   }
@@ -201,8 +201,9 @@ class Problem {
     return result;
   }
 
-  /// Ki grows with Kd along the line: the largest Kd that is accepted, from a scan and bisection.
-  [[nodiscard]] Attempt greatest_Ki(const Target& t) const {
+  /// Ki increases with Kd along the line of solutions: computes the largest accepted Kd by a scan
+  /// and bisection.
+  [[nodiscard]] Attempt max_Ki(const Target& t) const {
     const double size = std::hypot(t.X, t.Y) / t.b;
     const double low = std::max(0.0, t.Y / t.b);
     const double high = t.a > 0 ? std::min(t.X / t.a, low + 1e3 * size) : low + 1e3 * size;
@@ -226,7 +227,7 @@ class Problem {
         const double last = internal::border(accepted, scan[k], scan[k + 1], 1e-12).holds;
         return judged_with_Ms(t.at(last), t.w);
       }
-      // The nearest miss is what can be told: the least Ms, failing that anything.
+      // Report the closest failure: the one with the minimum Ms, or else any.
       if (!refused ||
           (found.status == PidLoopStatus::Ms_exceeded &&
            (refused->status != PidLoopStatus::Ms_exceeded || found.evidence < refused->evidence)))
@@ -238,7 +239,7 @@ class Problem {
   ContinuousTransferFunction plant_;
   LoopRequirement requirement_;
   LoopShape shape_;
-  double low_sign_;  ///< of the plant's response to what is slow
+  double low_sign_;  ///< sign of the plant's response at low frequencies
   bool plant_unstable_ = false;
 };
 
@@ -269,7 +270,7 @@ void search_crossovers(const Problem& problem, PidLoopDesign& design) {
       highest == steps ? kNoHighestCrossover : last_between(highest, highest + 1);
 }
 
-/// "-90 to 0 deg": what gains of one sign can do to the phase at w.
+/// The phases in degrees, e.g. "-90 to 0", that a controller with gains of one sign can have.
 std::string phases(const LoopRequirement& requirement) {
   const double lead = 90 - std::atan(requirement.crossover * requirement.Tf) / kDegree;
   switch (requirement.type) {
@@ -290,17 +291,17 @@ std::string obstacle(const Problem& problem, const LoopRequirement& requirement,
   const std::string what =
       fmt::format("{} at {:.4g} rad/s", to_string(requirement.type), requirement.crossover);
   switch (attempt.status) {
-    case PidLoopStatus::phase_out_of_reach:
-      return fmt::format("{} has to turn the phase by {:.4g} deg and can by {}", what,
+    case PidLoopStatus::phase_infeasible:
+      return fmt::format("{} must have a phase of {:.4g} deg, but its range is {}", what,
                          problem.needed_phase(requirement.crossover) / kDegree,
                          phases(requirement));
     case PidLoopStatus::unstable:
-      return fmt::format("{} has one solution, and it does not stabilize", what);
+      return fmt::format("{} has one solution, and it does not stabilize the loop", what);
     case PidLoopStatus::other_crossover:
       return fmt::format("{} leaves another crossover at {:.4g} rad/s with {:.4g} deg of margin",
                          what, attempt.at, attempt.evidence / kDegree);
     case PidLoopStatus::Ms_exceeded:
-      return fmt::format("{} has max |S| of {:.4g} at least, at {:.4g} rad/s, above {:.4g}", what,
+      return fmt::format("{} has max |S| >= {:.4g}, at {:.4g} rad/s, which exceeds {:.4g}", what,
                          attempt.evidence, attempt.at, requirement.Ms_max);
     case PidLoopStatus::not_run:
     case PidLoopStatus::solved:
@@ -310,10 +311,11 @@ std::string obstacle(const Problem& problem, const LoopRequirement& requirement,
 }
 
 std::string possible(const PidLoopDesign& design) {
-  if (std::isnan(design.highest_crossover)) return "no crossover was found that can be had";
+  if (std::isnan(design.highest_crossover)) return "no feasible crossover was found";
   if (std::isinf(design.highest_crossover))
-    return fmt::format("crossovers from {:.4g} rad/s upwards can be had", design.lowest_crossover);
-  return fmt::format("crossovers between {:.4g} and {:.4g} rad/s can be had",
+    return fmt::format("crossovers from {:.4g} rad/s upwards are feasible",
+                       design.lowest_crossover);
+  return fmt::format("crossovers between {:.4g} and {:.4g} rad/s are feasible",
                      design.lowest_crossover, design.highest_crossover);
 }
 
@@ -322,7 +324,7 @@ std::string possible(const PidLoopDesign& design) {
 constexpr internal::EnumName<PidLoopStatus> kPidLoopStatuses[] = {
     {PidLoopStatus::not_run, "not run"},
     {PidLoopStatus::solved, "solved"},
-    {PidLoopStatus::phase_out_of_reach, "phase out of reach"},
+    {PidLoopStatus::phase_infeasible, "phase out of reach"},
     {PidLoopStatus::unstable, "unstable"},
     {PidLoopStatus::other_crossover, "other crossover"},
     {PidLoopStatus::Ms_exceeded, "Ms exceeded"}};
@@ -342,7 +344,8 @@ PidLoopDesign pid_for_crossover(const ContinuousTransferFunction& plant,
   quadtune::validate(plant, "pid_for_crossover");
   validate(requirement);
   if (plant.num.isZero(0))
-    throw InvalidInput("pid_for_crossover", "num is 0, expected a plant that answers its input");
+    throw InvalidInput("pid_for_crossover",
+                       "num is 0, expected a plant that responds to its input");
   const Problem problem(plant, requirement);
   const Problem::Attempt attempt = problem.attempt(requirement.crossover);
   PidLoopDesign design;
@@ -353,9 +356,9 @@ PidLoopDesign pid_for_crossover(const ContinuousTransferFunction& plant,
     return design;
   }
   design.gains = attempt.gains;
-  const LeastPhaseMargin least = problem.shape().least_phase_margin(design.gains);
-  design.crossover = least.w;
-  design.phase_margin = least.margin;
+  const MinPhaseMargin min = problem.shape().min_phase_margin(design.gains);
+  design.crossover = min.w;
+  design.phase_margin = min.margin;
   const SensitivityPeaks peaks = problem.shape().peaks(design.gains);
   design.Ms = peaks.Ms;
   design.w_Ms = peaks.w_Ms;

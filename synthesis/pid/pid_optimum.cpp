@@ -47,7 +47,7 @@ void validate_bounds(const PidBounds& bounds, PidType type, double Tf) {
                        "without one the noise gain is infinite");
 }
 
-/// The greatest Ki of a loop of one transfer function; Kp and Kd are searched.
+/// Maximizes Ki for one transfer function; Kp and Kd are searched.
 class IntegralProblem : public internal::GainProblem {
  public:
   IntegralProblem(const ContinuousTransferFunction& plant, PidType type, const PidBounds& bounds,
@@ -89,7 +89,7 @@ class IntegralProblem : public internal::GainProblem {
     return stable(gains(x, std::log(beyond)));
   }
 
-  /// A scan over crossovers, and AMIGO's gains.
+  /// Starting points: a scan over crossovers, and the AMIGO gains.
   [[nodiscard]] std::vector<GainPoint> starts() const {
     std::vector<GainPoint> points;
     const auto add = [&](double Kp, double Td) {
@@ -119,7 +119,7 @@ class IntegralProblem : public internal::GainProblem {
     const Complex integral = 1.0 / Complex(0, w);
     const Complex C = sign_ * base({0, w});
     const Complex L = C * P;
-    const Complex slope = P * integral;  // of L, with Ki
+    const Complex slope = P * integral;  // dL/dKi
     const internal::AffineResponse returned{1.0 + L, slope};
     forbid(returned, {}, 1 / bounds_.Ms_max, w, forbidden);
     if (std::isfinite(bounds_.Mt_max))
@@ -134,7 +134,7 @@ class IntegralProblem : public internal::GainProblem {
   PidBounds bounds_;
   double Tf_;
   LoopShape shape_;
-  double sign_;  ///< of the plant's response to what is slow, and of the gains
+  double sign_;  ///< sign of the plant's low-frequency response and of the gains
 };
 
 }  // namespace
@@ -159,40 +159,40 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum) {
   return out;
 }
 
-PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidType type,
-                                  const PidBounds& bounds, double Tf) {
+PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType type,
+                             const PidBounds& bounds, double Tf) {
   quadtune::validate(plant, "greatest_integral_gain");
   validate_bounds(bounds, type, Tf);
   if (plant.num.isZero(0))
     throw InvalidInput("greatest_integral_gain",
-                       "num is 0, expected a plant that answers its input");
+                       "num is 0, expected a plant that responds to its input");
   const IntegralProblem problem(plant, type, bounds, Tf);
   const LoopShape& shape = problem.shape();
   internal::GainSearch search(problem);
   const GainPoint best =
       search.climb(search.best_of(problem.starts()), {.over_Kd = type == PidType::PID});
-  const internal::GreatestGain greatest = search.greatest(best);
+  const internal::MaxGain max = search.max(best);
   PidOptimum optimum;
   optimum.evaluations = search.evaluations();
-  if (!greatest.within_bounds()) {
+  if (!max.within_bounds()) {
     optimum.status = PidOptimumStatus::not_found;
     optimum.culprit = fmt::format(
-        "no {} was found that is stable with Ms <= {:.4g}, Mt <= {:.4g} "
+        "no stabilizing {} was found with Ms <= {:.4g}, Mt <= {:.4g} "
         "and a noise gain <= {:.4g}",
         to_string(type), bounds.Ms_max, bounds.Mt_max, bounds.noise_gain_max);
     return optimum;
   }
-  // A loop of one lag takes any gain: the search then ends where its frequencies end.
-  if (!(greatest.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
+  // A first-order loop is stable with any gain: the search then ends at the end of its grid.
+  if (!(max.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
     optimum.status = PidOptimumStatus::unbounded;
     optimum.culprit = fmt::format(
-        "Ki of a {} grows beyond all corners of the plant: it has neither "
-        "delay nor lag enough to end it",
+        "Ki of a {} is unbounded: the plant has neither enough delay "
+        "nor enough lag to limit it",
         to_string(type));
     return optimum;
   }
   optimum.status = PidOptimumStatus::solved;
-  optimum.gains = problem.gains(best, greatest.log_gain);
+  optimum.gains = problem.gains(best, max.log_gain);
   const SensitivityPeaks peaks = shape.peaks(optimum.gains);
   optimum.Ms = peaks.Ms;
   optimum.Mt = peaks.Mt;

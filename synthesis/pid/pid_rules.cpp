@@ -29,7 +29,7 @@ void require_delay(double delay, const char* where) {
     throw InvalidInput(where, fmt::format("delay is {} s, expected 0 or more", delay));
 }
 
-/// For the rules that divide by the delay.
+/// Checks the model for the rules that divide by the delay.
 void require_lag_and_delay(const FopdtModel& model, const char* where) {
   require_gain(model.gain, where);
   require_positive(model.time_constant, "time constant", " s", where);
@@ -40,8 +40,9 @@ void require_lag_and_delay(const FopdtModel& model, const char* where) {
 }
 
 [[noreturn]] void refuse(PidType type, const char* known, const char* where) {
-  throw InvalidInput(where, fmt::format("type is {}, expected {} because the rule has no other",
-                                        to_string(type), known));
+  throw InvalidInput(where,
+                     fmt::format("type is {}, expected {} because the rule has no other types",
+                                 to_string(type), known));
 }
 
 PidGains with_filter(PidStandard standard, double N, const char* where) {

@@ -24,13 +24,13 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 constexpr int kSteps = 4000;
-constexpr int kMostSteps = 400000;
-constexpr double kSettled = 0.02;  ///< of the largest distance from where it ends
-constexpr double kLeft = 8;        ///< an unstable loop is not looked at beyond
-constexpr int kMostTurns = 20;
+constexpr int kMaxSteps = 400000;
+constexpr double kSettled = 0.02;  ///< relative to the largest distance from the final value
+constexpr double kLeft = 8;        ///< the response of an unstable loop ends at this value
+constexpr int kMaxTurns = 20;
 
-/// ẋ = A x + Bv v + Bw w,  q = Cq x + Dqv v + Dqw w,  z = Cz x + Dzv v + Dzw w, where w is the
-/// step, z is looked at, and q comes back as v: at once, or after a delay.
+/// ẋ = A x + Bv v + Bw w, q = Cq x + Dqv v + Dqw w, z = Cz x + Dzv v + Dzw w, where w is the step,
+/// z is the output, and q is fed back as v, immediately or after a delay.
 struct Feedback {
   MatrixXd A, Bv, Cq, Dqv;
   VectorXd Bw, Dqw;
@@ -38,7 +38,7 @@ struct Feedback {
   double Dzw = 0;
 };
 
-/// q = e = w - y is fed into L; y comes out.
+/// q = e = w - y is the input of L, and y its output.
 Feedback set_point_feedback(const OpenLoop& loop, Index channel) {
   const VectorXd unit = VectorXd::Unit(loop.size(), channel);
   return {loop.A(),
@@ -52,8 +52,8 @@ Feedback set_point_feedback(const OpenLoop& loop, Index channel) {
           0};
 }
 
-/// q = u + w is the plant's input. The integral and the filter of the derivative are states; a
-/// derivative without filter takes ẏ from the plant's equations.
+/// q = u + w is the input of the plant. The integral and the filter of the derivative are states; a
+/// derivative without filter computes ẏ from the equations of the plant.
 Feedback load_feedback(const ContinuousTransferFunction& plant, const PidGains& gains) {
   ContinuousLti P;
   if (plant.den.size() > 1) {
@@ -139,8 +139,8 @@ StepResponse simulate_prompt(Closed loop, double duration) {
   return simulate_samples(loop, dt, kSteps + 1);
 }
 
-/// x⁺ = Φ x + Γ₀ v + Γ₁ v⁺ for v straight from v to v⁺: the zero-order hold of the plant with v as
-/// a state that a constant slope drives.
+/// x⁺ = Φ x + Γ₀ v + Γ₁ v⁺ for linear interpolation from v to v⁺: the zero-order hold of the plant
+/// that is augmented by v as a state with a constant derivative.
 struct Ramp {
   MatrixXd Phi;
   VectorXd Gamma0, Gamma1, held;  ///< held: ∫ e^(Aτ) dτ Bw
@@ -160,16 +160,16 @@ Ramp ramp(const Feedback& f, double dt) {
           sampled.B.col(1).head(n)};
 }
 
-/// Steps that are a whole part of the delay: every jump then falls on an instant, where the signals
-/// have a value before and one after it.
+/// Simulates with a step of which the delay is an integer multiple. Every jump then occurs at a
+/// time step, where the signals have a value before and a value after it.
 StepResponse simulate_delayed(const Feedback& f, double delay, double duration) {
   const double parts = std::ceil(delay / (duration / kSteps));
-  const auto late = static_cast<std::size_t>(std::clamp(parts, 1.0, kMostSteps / 2.0));
+  const auto late = static_cast<std::size_t>(std::clamp(parts, 1.0, kMaxSteps / 2.0));
   const double dt = delay / static_cast<double>(late);
-  const auto count = static_cast<std::size_t>(std::min(duration / dt, double(kMostSteps))) + 1;
+  const auto count = static_cast<std::size_t>(std::min(duration / dt, double(kMaxSteps))) + 1;
   const Ramp step = ramp(f, dt);
-  std::vector<double> before(count + 1);  // q as it comes to an instant
-  std::vector<double> after(count + 1);   // and as it leaves it
+  std::vector<double> before(count + 1);  // q before a time step
+  std::vector<double> after(count + 1);   // q after it
   StepResponse response;
   response.t.reserve(2 * count);
   response.y.reserve(2 * count);
@@ -192,11 +192,11 @@ StepResponse simulate_delayed(const Feedback& f, double delay, double duration) 
   return response;
 }
 
-// --- how long to look ----------------------------------------------------------------------------
+// --- duration ------------------------------------------------------------------------------------
 
 using Simulation = std::function<StepResponse(double)>;
 
-/// When it is near its last value for good [s].
+/// The time after which the response stays close to its last value [s].
 double settling_time(const StepResponse& response) {
   const double end = response.y.back();
   double largest = 0;
@@ -206,22 +206,22 @@ double settling_time(const StepResponse& response) {
   return 0;
 }
 
-/// From a duration that is long enough to one that shows what happens.
-StepResponse settled(const Simulation& simulate, double duration, double least) {
-  constexpr int kMostTries = 40;
+/// Shortens a sufficient duration to one that shows the transient well.
+StepResponse settled(const Simulation& simulate, double duration, double min) {
+  constexpr int kMaxTries = 40;
   StepResponse response = simulate(duration);
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const double t = settling_time(response);
-    const bool shorten = t < 0.5 * duration && duration > 1.5 * least;
+    const bool shorten = t < 0.5 * duration && duration > 1.5 * min;
     const bool lengthen = t > 0.9 * duration && i < 8;
     if (!shorten && !lengthen) break;
-    duration = lengthen ? 2 * duration : std::max({1.5 * t, duration / 50, least});
+    duration = lengthen ? 2 * duration : std::max({1.5 * t, duration / 50, min});
     response = simulate(duration);
   }
   return response;
 }
 
-/// How many values there are up to the n-th turn; all of them with fewer turns.
+/// The number of values up to the n-th extremum; all values if there are fewer.
 std::size_t after_turns(const StepResponse& response, int n) {
   const std::vector<double>& y = response.y;
   for (std::size_t k = 2; k < y.size(); ++k)
@@ -229,23 +229,22 @@ std::size_t after_turns(const StepResponse& response, int n) {
   return y.size();
 }
 
-/// The response until it leaves what is looked at, or has swung enough.
+/// The response until it exceeds the limit, or has oscillated often enough.
 StepResponse cut_off(StepResponse response) {
   const auto left = std::find_if(response.y.begin(), response.y.end(),
                                  [](double y) { return !(std::abs(y) <= kLeft); });
   const auto values = static_cast<std::size_t>(left - response.y.begin()) + 1;
-  const std::size_t count =
-      std::min({values, after_turns(response, kMostTurns), response.y.size()});
+  const std::size_t count = std::min({values, after_turns(response, kMaxTurns), response.y.size()});
   response.t.resize(count);
   response.y.resize(count);
   return response;
 }
 
-/// Longer and longer until it has left or swung enough.
+/// Extends the duration until the response exceeds the limit or has oscillated often enough.
 StepResponse diverging(const Simulation& simulate, double duration) {
-  constexpr int kMostTries = 24;
+  constexpr int kMaxTries = 24;
   StepResponse response = cut_off(simulate(duration));
-  for (int i = 0; i < kMostTries && response.t.back() >= 0.9 * duration; ++i) {
+  for (int i = 0; i < kMaxTries && response.t.back() >= 0.9 * duration; ++i) {
     if (!(std::abs(response.y.back()) <= kLeft)) break;
     duration *= 2;
     response = cut_off(simulate(duration));
@@ -253,10 +252,10 @@ StepResponse diverging(const Simulation& simulate, double duration) {
   return simulate(response.t.back() > 0 ? response.t.back() : duration);
 }
 
-/// Time constants of the closed loop [s]: of the fastest and of the slowest pole.
+/// Time constants of the fastest and of the slowest pole of the closed loop [s].
 struct TimeConstants {
-  double least = std::numeric_limits<double>::infinity();
-  double most = 0;
+  double min = std::numeric_limits<double>::infinity();
+  double max = 0;
 };
 
 TimeConstants time_constants(const OpenLoop& loop) {
@@ -268,23 +267,23 @@ TimeConstants time_constants(const OpenLoop& loop) {
     if (std::isfinite(std::abs(pole))) fastest = std::max(fastest, std::abs(pole));
   for (const std::complex<double>& pole : poles) {
     if (!std::isfinite(std::abs(pole))) continue;
-    // What is smaller than rounding beside the fastest is no motion.
-    if (std::abs(pole) > 1e-10 * fastest) found.least = std::min(found.least, 1 / std::abs(pole));
+    // A pole that is smaller than rounding relative to the fastest is not a motion.
+    if (std::abs(pole) > 1e-10 * fastest) found.min = std::min(found.min, 1 / std::abs(pole));
     const double decay = std::max(std::abs(pole.real()), 1e-3 * std::abs(pole));
-    if (decay > 1e-10 * fastest) found.most = std::max(found.most, 1 / decay);
+    if (decay > 1e-10 * fastest) found.max = std::max(found.max, 1 / decay);
   }
-  if (!std::isfinite(found.least)) found.least = std::max(loop.dt(), loop.delay());
-  if (!(found.least > 0)) found.least = 1;
-  found.most = std::max(found.most, found.least);
+  if (!std::isfinite(found.min)) found.min = std::max(loop.dt(), loop.delay());
+  if (!(found.min > 0)) found.min = 1;
+  found.max = std::max(found.max, found.min);
   return found;
 }
 
 StepResponse chosen_duration(const OpenLoop& loop, const Simulation& simulate) {
   const TimeConstants constants = time_constants(loop);
-  const double least = 5 * (loop.dt() + loop.delay()) + 1e-3 * constants.least;
+  const double min = 5 * (loop.dt() + loop.delay()) + 1e-3 * constants.min;
   return internal::closed_loop_is_stable(loop)
-             ? settled(simulate, 10 * constants.most + 20 * (loop.dt() + loop.delay()), least)
-             : diverging(simulate, 5 * constants.least + least);
+             ? settled(simulate, 10 * constants.max + 20 * (loop.dt() + loop.delay()), min)
+             : diverging(simulate, 5 * constants.min + min);
 }
 
 void require_duration(double duration) {
@@ -298,13 +297,13 @@ void require_duration(double duration) {
 StepResponse step_response(const OpenLoop& loop, Index channel, double duration) {
   if (channel < 0 || channel >= loop.size())
     throw InvalidInput("step response",
-                       fmt::format("channel {}, expected 0 to {}", channel, loop.size() - 1));
+                       fmt::format("channel is {}, expected 0 to {}", channel, loop.size() - 1));
   require_duration(duration);
   const Feedback feedback = set_point_feedback(loop, channel);
   const Simulation simulate = [&](double T) {
     if (loop.delay() > 0) return simulate_delayed(feedback, loop.delay(), T);
     if (!loop.discrete()) return simulate_prompt(close(feedback), T);
-    const double samples = std::clamp(std::round(T / loop.dt()), 5.0, double(kMostSteps));
+    const double samples = std::clamp(std::round(T / loop.dt()), 5.0, double(kMaxSteps));
     return simulate_samples(close(feedback), loop.dt(), static_cast<Index>(samples) + 1);
   };
   return duration > 0 ? simulate(duration) : chosen_duration(loop, simulate);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Dense kernels for the Riccati doubling: square matrices stored row by row, rows held in vector
-/// registers. Small sizes are known to the compiler, which then unrolls everything.
+/// Dense kernels for the Riccati doubling: square matrices stored row by row, with rows in vector
+/// registers. Small sizes are compile-time constants, so that all loops are unrolled.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,9 @@
 
 namespace quadtune::internal {
 
-/// Kernels for n × n matrices with rows `stride` numbers apart. All pointers are aligned to 64
+/// Kernels for n × n matrices with the row stride stride(). All pointers are aligned to 64
 /// bytes; outputs do not overlap inputs.
-/// @tparam kSize  n, a multiple of 4, or 0 for an n that is a multiple of kMultiple and known at
-///                run time
+/// @tparam kSize  n, a multiple of 4; or 0 if n is a run-time multiple of kMultiple
 /// @tparam Real   double, or float with kSize 0
 template <int kSize, class Real = double>
 class Kernels {
@@ -30,7 +29,7 @@ class Kernels {
   explicit Kernels(int n) : n_(n) {}
 
   [[nodiscard]] int n() const { return kSize > 0 ? kSize : n_; }
-  /// Rows a power of two apart would fall on one another in the cache.
+  /// Avoids a row stride that is a power of two, with which rows would conflict in the cache.
   [[nodiscard]] int stride() const {
     return kSize > 0 ? kSize : n_ % 64 == 0 ? n_ + kMultiple : n_;
   }
@@ -47,15 +46,15 @@ class Kernels {
       multiply_called<kTransposeA>(A, B, C, n());
   }
 
-  /// The same over the first `inner` terms, columns of A (rows of Aᵀ), only.
+  /// The same, summed only over the first `inner` columns of A (rows of Aᵀ).
   template <bool kTransposeA>
   void multiply(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
                 int inner) const {
     multiply_called<kTransposeA>(A, B, C, inner);
   }
 
-  /// The same of large matrices for the first `columns` columns of B and C only, a multiple of
-  /// kMultiple; of small ones all columns.
+  /// The same, for large matrices only for the first `columns` columns of B and C, a multiple of
+  /// kMultiple; for small ones for all columns.
   template <bool kTransposeA>
   void multiply_panel(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
                       int inner, [[maybe_unused]] int columns) const {
@@ -68,7 +67,8 @@ class Kernels {
           });
   }
 
-  /// The same for a C known to be symmetric: of large ones only the upper triangle is computed.
+  /// The same for a C that is known to be symmetric: if it is large, only the upper triangle is
+  /// computed.
   template <bool kTransposeA>
   void multiply_symmetric(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
                           int inner) const {
@@ -105,8 +105,9 @@ class Kernels {
           for (int c = 0; c < 4; ++c) T[(j + c) * s + i + r] = A[(i + r) * s + j + c];
   }
 
-  /// Factors P M = L U in place with partial pivoting; M is given by columns, so that a column is
-  /// contiguous. The diagonal of U is left inverted. False when a pivot is 0 or not finite.
+  /// Factors P M = L U in place with partial pivoting. M is stored by columns, so that each column
+  /// is contiguous. The inverse of the diagonal of U is stored. False if a pivot is 0 or not
+  /// finite.
   bool factor(Real* __restrict M, int* __restrict pivots) const {
     const int block = n() <= kUnblocked ? n() : kBlock;
     for (int first = 0; first < n(); first += block) {
@@ -123,7 +124,7 @@ class Kernels {
     return true;
   }
 
-  /// X = M⁻¹ X from factor().
+  /// X ← M⁻¹ X, with LU from factor().
   void solve(const Real* __restrict LU, const int* pivots, Real* __restrict X) const {
     for (int k = 0; k < n(); ++k) {
       if (pivots[k] == k) continue;
@@ -143,7 +144,7 @@ class Kernels {
   }
 
  private:
-  /// rows[r]: 1 for the lanes from r on.
+  /// rows[r]: 1 in the lanes from r on, 0 in the others.
   static constexpr auto make_masks() {
     struct Masks {
       alignas(64) Real rows[W][W] = {};
@@ -155,9 +156,10 @@ class Kernels {
   static constexpr auto kMasks = make_masks();
 
   static constexpr int kBlock = kMultiple;  ///< columns that factor() eliminates together
-  static constexpr int kUnblocked = 32;     ///< up to this size it eliminates one by one
+  static constexpr int kUnblocked = 32;     ///< up to this size, columns one by one
 
-  /// Rows that share one pass over a panel: as many as the registers hold beside the panel's row.
+  /// Number of rows per pass over a panel: as many as fit in the registers in addition to the row
+  /// of the panel.
   template <int kVectors>
   static constexpr int rows_with() {
     constexpr int kRoom = kRegisters - kVectors - 1;
@@ -166,8 +168,8 @@ class Kernels {
     return 2 * kVectors <= kRoom ? 2 : 1;
   }
 
-  /// Calls work.template operator()<vectors>(first column) for panels of up to three vectors, four
-  /// where that leaves none over.
+  /// Calls work.template operator()<vectors>(first column) for panels of up to three vectors, or of
+  /// four if that leaves no remainder.
   template <class Work>
   [[gnu::always_inline]] inline void by_panels([[maybe_unused]] int columns,
                                                const Work& work) const {
@@ -188,7 +190,7 @@ class Kernels {
 
   static constexpr Real kHuge = std::numeric_limits<Real>::max() / 1000;
 
-  /// Calls cost more than the work itself at this size.
+  /// At this size a function call costs more than the work itself, so the kernels are inlined.
   static constexpr int kInline = 4;
 
   template <bool kTransposeA, class Inner>
@@ -207,7 +209,7 @@ class Kernels {
         });
   }
 
-  /// kVectors vectors of columns of C from j on, the first `rows` of them.
+  /// Computes kVectors vectors of columns of C from column j on, for the first `rows` rows.
   template <bool kTransposeA, int kVectors, class Inner>
   [[gnu::always_inline]] inline void multiply_columns(const Real* __restrict A,
                                                       const Real* __restrict B, Real* __restrict C,
@@ -228,8 +230,8 @@ class Kernels {
     sum.each([&](int r, int v, V x) { store(C + (i + r) * s + j + v * W, x); });
   }
 
-  /// Eliminates the columns [first, last) over all rows below; swaps rows of the columns before
-  /// `last` only.
+  /// Eliminates the columns [first, last) over all rows below. Swaps rows only in the columns
+  /// before `last`.
   bool factor_block(Real* __restrict M, int* __restrict pivots, int first, int last) const {
     for (int k = first; k < last; ++k) {
       Real* column = M + k * stride();
@@ -271,7 +273,7 @@ class Kernels {
     return true;
   }
 
-  /// U12 = L11⁻¹ of the rows [first, last) of four columns from j on.
+  /// Applies U12 ← L11⁻¹ U12 to the rows [first, last) of four columns from j on.
   void solve_block(Real* __restrict M, int j, int first, int last) const {
     const int s = stride();
     for (int k = first; k < last; ++k) {
@@ -301,7 +303,8 @@ class Kernels {
     x.each([&](int c, int v, V from) { store(M + (j + c) * s + i + v * W, from); });
   }
 
-  /// kRows rows from i on of L⁻¹ X, given those above; X points at the first column of the panel.
+  /// Computes kRows rows of L⁻¹ X from row i on, given the rows above. X points to the first column
+  /// of the panel.
   template <int kVectors, int kRows>
   void solve_lower(const Real* __restrict LU, Real* __restrict X, int i) const {
     const int s = stride();
@@ -313,7 +316,7 @@ class Kernels {
     x.each([&](int r, int v, V from) { store(X + (i + r) * s + v * W, from); });
   }
 
-  /// kRows rows from i on of U⁻¹ X, given those below.
+  /// Computes kRows rows of U⁻¹ X from row i on, given the rows below.
   template <int kVectors, int kRows>
   void solve_upper(const Real* __restrict LU, Real* __restrict X, int i) const {
     const int s = stride();

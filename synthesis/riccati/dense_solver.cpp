@@ -7,7 +7,7 @@
 namespace quadtune::internal {
 namespace {
 
-/// Up to here the corrections cost more than single precision saves.
+/// Up to this size the corrections cost more time than single precision saves.
 constexpr Eigen::Index kMixedAbove = 32;
 
 }  // namespace

@@ -11,13 +11,13 @@
 /// | A_tilde_ | Ã                                           | –                                |
 /// | Q_tilde_ | Q̃                                           | –                                |
 /// | E_       | out: E₀                                     | E_k, then E_{k+1}                |
-/// | G_       | G, kept in case that γ has to move          | G_k, then G_{k+1}                |
+/// | G_       | G, kept in case γ must be changed           | G_k, then G_{k+1}                |
 /// | H_       | Q̃ A_γ⁻¹, then W⁻¹ Q̃ A_γ⁻¹, then out: H₀     | H_k, then H_{k+1}; in the end X  |
 /// | G0_      | out: G₀                                     | –                                |
 /// | W_       | A_γ, then W                                 | I + G_k H_k                      |
 /// | V_       | A_γ⁻¹, then W⁻¹                             | (I + G_k H_k)⁻¹ E_k              |
 /// | U_       | A_γ⁻¹ G                                     | (I + G_k H_k)⁻¹ G_k              |
-/// | T_       | a product on its way                        | a product on its way             |
+/// | T_       | an intermediate product                     | an intermediate product          |
 #pragma once
 
 #include <Eigen/Core>
@@ -36,8 +36,8 @@ class DoublingSteps {
 
   DoublingSteps(Eigen::Index nx, Eigen::Index nu) : ops_(nx, nu) {}
 
-  /// E₀, G₀, H₀ by the Cayley transform of the Hamiltonian matrix [Ã -G; -Q̃ -Ãᵀ] at γ. If γ is
-  /// near one of its eigenvalues, A_γ or W is badly conditioned; another γ is tried then.
+  /// Computes E₀, G₀, H₀ by the Cayley transform of the Hamiltonian matrix [Ã -G; -Q̃ -Ãᵀ] at γ. If
+  /// γ is close to one of its eigenvalues, A_γ or W is ill-conditioned, and another γ is tried.
   bool start_continuous(double gamma) {
     gamma_ = gamma;
     if (!(gamma_ > 0) || !std::isfinite(gamma_)) return false;
@@ -86,7 +86,7 @@ class DoublingSteps {
     ops_.solve(H_);  // H = W⁻¹ Q̃ A_γ⁻¹
     const double condition = std::max(condition_A, norm_W * ops_.norm1(V_));
     if (!std::isfinite(condition)) return infinite;
-    // G₀ = 2γ A_γ⁻¹ G W⁻¹, symmetric but for rounding
+    // G₀ = 2γ A_γ⁻¹ G W⁻¹, symmetric up to rounding
     ops_.multiply(U_, V_, T_);
     ops_.scaled_symmetric(T_, 2 * gamma, G0_);
     // H₀ = 2γ W⁻¹ Q̃ A_γ⁻¹, likewise
@@ -106,8 +106,8 @@ class DoublingSteps {
     ops_.scaled_symmetric(Q_tilde_, 1, H_);
   }
 
-  /// Doubles until H_k changes by less than `tolerance` of it. Convergence is quadratic: the next
-  /// change would be about the square of it.
+  /// Doubles until the relative change of H_k is less than `tolerance`. Convergence is quadratic:
+  /// the next change would be approximately its square.
   bool iterate(int max_iterations, double tolerance, int& iterations) {
     for (iterations = 1; iterations <= max_iterations; ++iterations) {
       // V = (I + G_k H_k)⁻¹ E_k

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The arithmetic of riccati_doubling.hpp by the kernels of dense_kernels.hpp. Matrices are stored
-/// row by row and padded with decoupled stable states to the size that the kernels want.
+/// row by row and padded with decoupled stable states to the size that the kernels require.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@
 
 namespace quadtune::internal {
 
-/// @tparam Real  double, or float for what need not be exact
+/// @tparam Real  double, or float for approximations
 template <int kSize, class Real = double>
 class KernelOps {
   using K = Kernels<kSize, Real>;
@@ -59,12 +59,13 @@ class KernelOps {
     load_matrix(from, nu_, nu_, to);
   }
 
-  /// L⁻¹ of the lower triangle of `factor`.
+  /// Computes L⁻¹, where L is the lower triangle of `factor`.
   void invert_factor(const Eigen::MatrixXd& factor, Panel& inverse) const {
     invert_lower(nu_, factor, entries(inverse));
   }
 
-  /// Inverse of the Cholesky factor of S = R + BᵀXB. False when S is not positive definite.
+  /// Computes the inverse of the Cholesky factor of S = R + BᵀXB. False if S is not positive
+  /// definite.
   bool invert_inner(const Panel& R, const Panel& B, const Panel& XB, Panel& inverse) {
     k_.template multiply<true>(B.data(), XB.data(), scratch_.data(), nx_);
     const auto S = entries(scratch_);
@@ -117,7 +118,7 @@ class KernelOps {
     k_.template multiply_symmetric<false>(A.data(), scratch_.data(), C.data(), nu_);
   }
 
-  /// Factors A for solve(). False when A is singular or not finite.
+  /// Factors A for solve(). False if A is singular or not finite.
   bool factor(const Square& A) {
     transpose(A, factor_);
     return k_.factor(factor_.data(), pivots_.data());
@@ -162,12 +163,12 @@ class KernelOps {
     add_product(S);
   }
 
-  // Norms and measures.
+  // Norms and residuals.
   [[nodiscard]] double norm1(const Square& A) const {
     Real largest = 0;
     for (int j = 0; j < row(); ++j) {
       V sums = {};
-      for (int i = 0; i < k_.n(); ++i) sums += magnitude(at(A, i, j));
+      for (int i = 0; i < k_.n(); ++i) sums += abs_of(at(A, i, j));
       for (int lane = 0; lane < W; ++lane) largest = std::max(largest, sums[lane]);
     }
     return largest;
@@ -177,7 +178,8 @@ class KernelOps {
     for (int i = 0; i < A.size(); ++i) sum = multiply_add(A.begin()[i], A.begin()[i], sum);
     return std::sqrt(total(sum));
   }
-  /// Norm of D⁻¹ M D⁻¹, M in scaled states: that of a solution in the caller's units.
+  /// Norm of D⁻¹ M D⁻¹ for an M in scaled states, i.e. the norm of a solution in the caller's
+  /// units.
   [[nodiscard]] double weighted_norm(const Square& M) const {
     V sum = {};
     for (int i = 0; i < k_.n(); ++i)
@@ -217,7 +219,7 @@ class KernelOps {
     return measure(T, X, -1, U, Q, out);
   }
 
-  /// Writes factor · M, M of other kernels, of which the padding is not copied.
+  /// Writes factor · M for an M of other kernels. The padding is not copied.
   template <class OtherOps>
   void convert(const OtherOps& other, const typename OtherOps::Square& M, double factor,
                Square& to) const {
@@ -230,9 +232,9 @@ class KernelOps {
 
   // Scaling of the states.
   void balance(const Square& A, const Square& G, const Square& Q) {
-    scratch_.assign([&](int i) { return magnitude(A.begin()[i]); });
-    factor_.assign([&](int i) { return magnitude(G.begin()[i]); });
-    absolute_.assign([&](int i) { return magnitude(Q.begin()[i]); });
+    scratch_.assign([&](int i) { return abs_of(A.begin()[i]); });
+    factor_.assign([&](int i) { return abs_of(G.begin()[i]); });
+    absolute_.assign([&](int i) { return abs_of(Q.begin()[i]); });
     transpose(scratch_, columns_);
     const auto dot = [this](const double* a, const double* b) {
       V sum = {};
@@ -302,7 +304,7 @@ class KernelOps {
 
   static void add_sizes(V a, V b, V& squares, V& sums) {
     squares = multiply_add(a, a, multiply_add(b, b, squares));
-    sums += magnitude(a) + magnitude(b);
+    sums += abs_of(a) + abs_of(b);
   }
 
   template <class M>
@@ -314,7 +316,7 @@ class KernelOps {
       for (int i = 0; i < rows; ++i) to.data()[i * s() + j] = p[j * stride + i];
   }
 
-  /// S ← S + product_, whose halves are equal already where the kernels computed only one.
+  /// S ← S + product_. If the kernels computed only one triangle, product_ is already symmetric.
   std::pair<double, double> add_product(Square& S) {
     if constexpr (kSize > 0) return add_symmetric(product_, S);
     return add_measured(S, [&](int i) { return product_.begin()[i]; });
@@ -333,7 +335,7 @@ class KernelOps {
     return {std::sqrt(total(changes)), std::sqrt(total(sizes))};
   }
 
-  /// out = T + sign · M - U + Q, measured against these four terms.
+  /// Computes out = T + sign · M - U + Q, and its norm relative to these four terms.
   Residual measure(const Square& T, const Square& M, Real sign, const Square& U, const Square& Q,
                    Square& out) const {
     V scaled[5] = {};

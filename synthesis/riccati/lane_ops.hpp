@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The arithmetic of doubling_steps.hpp for several problems at once: every number is a vector with
 /// one entry, or lane, for each problem (structure of arrays), so that no shuffle and no broadcast
-/// is needed and a transpose costs nothing. No pivoting: lanes would have to pivot alike.
+/// is needed and a transpose costs nothing. There is no pivoting, because all lanes would have to
+/// use the same pivots.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@
 
 namespace quadtune::internal {
 
-/// One number of each problem: as many as a register holds.
+/// One number of each problem, as many problems as fit in a register.
 #if defined(__AVX512F__)
 inline constexpr int kLaneCount = 8;
 #elif defined(__AVX__)
@@ -54,8 +55,8 @@ class LaneMatrix : public VectorStorage<Lane> {
   int columns_;
 };
 
-/// Residuals of all lanes, relative to the sum of the norms of the terms: in the callers' units and
-/// the worse of that and of the scaled one.
+/// Residuals of all lanes relative to the sum of the norms of the terms: in the caller's units, and
+/// the larger of that and the residual in scaled states.
 struct LaneResidual {
   Lane relative = all_lanes(std::numeric_limits<double>::quiet_NaN());
   Lane worst = relative;
@@ -84,13 +85,13 @@ class LaneOps {
   [[nodiscard]] Panel panel() const { return {n_, m_}; }
   [[nodiscard]] Panel small() const { return {m_, m_}; }
 
-  /// Writes a problem's matrix into one lane; the padding stays 0.
+  /// Writes the matrix of a problem to one lane; the padding remains 0.
   static void load(const Eigen::MatrixXd& from, int lane, LaneMatrix& to) {
     for (int j = 0; j < from.cols(); ++j)
       for (int i = 0; i < from.rows(); ++i) to(i, j)[lane] = from(i, j);
   }
 
-  // Products. Rows and columns are multiples of kMultiple; what a product writes, it does not read.
+  // Products. Rows and columns are multiples of kMultiple; the output must not alias an input.
   void multiply(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
     product<false, false>(A, B, C);
   }
@@ -105,18 +106,18 @@ class LaneOps {
   void subtract_product_nt(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
     product<false, true, true>(A, B, C);
   }
-  /// S ← S + AᵀB, the product known to be symmetric; returns the largest share of any lane's sum
-  /// that the change is, and 1, or NaN for numbers that are not finite.
+  /// S ← S + AᵀB, the product known to be symmetric. Returns the maximum relative change over all
+  /// lanes, and 1; NaN if a number is not finite.
   std::pair<double, double> add_product_tn(const Square& A, const Square& B, Square& S) const {
     return add_symmetric_product<true, false>(A, B, S);
   }
-  /// S ← S + A Bᵀ, likewise.
+  /// S ← S + A Bᵀ, the product known to be symmetric.
   void add_product_nt(const Square& A, const Square& B, Square& S) const {
     add_symmetric_product<false, true>(A, B, S);
   }
 
-  /// Factors A = L U for solve(), tile by tile; false when a pivot of some lane is 0 or not finite.
-  /// The diagonal of U is left inverted.
+  /// Factors A = L U for solve(), tile by tile. False if a pivot of any lane is 0 or not finite.
+  /// The inverse of the diagonal of U is stored.
   bool factor(const Square& A) {
     factor_ = A;
     Lane smallest = all_lanes(std::numeric_limits<double>::infinity());
@@ -138,8 +139,8 @@ class LaneOps {
     }
   }
 
-  /// L⁻¹ of the Cholesky factor of the small S; false where some lane's S is not positive beyond
-  /// rounding.
+  /// Computes the inverse of the Cholesky factor of the small S. False if the S of any lane is not
+  /// positive definite beyond rounding.
   bool invert_cholesky(const Panel& S, Panel& inverse) {
     small_ = S;
     const auto is_positive = [](Lane pivot, Lane entry) {
@@ -181,15 +182,15 @@ class LaneOps {
   }
 
   // Norms.
-  /// The largest of any lane.
+  /// The maximum over all lanes.
   [[nodiscard]] static double norm1(const Square& A) {
-    Lane most = {};
+    Lane max = {};
     for (int j = 0; j < A.columns(); ++j) {
       Lane sum = {};
-      for (int i = 0; i < A.rows(); ++i) sum += magnitude(A(i, j));
-      most = larger(sum, most);
+      for (int i = 0; i < A.rows(); ++i) sum += abs_of(A(i, j));
+      max = larger(sum, max);
     }
-    return largest(most);
+    return largest(max);
   }
   [[nodiscard]] static Lane squared_norm(const LaneMatrix& A) {
     Lane sum = {};
@@ -197,7 +198,7 @@ class LaneOps {
     return sum;
   }
 
-  // Scaling of the states, by the first lane: the others' are alike.
+  // Scaling of the states, computed from the first lane; the others are assumed to be similar.
   void balance(const Square& A, const Square& G, const Square& Q) {
     std::size_t at = 0;
     for (int i = 0; i < nx_; ++i)
@@ -243,7 +244,7 @@ class LaneOps {
   }
   [[nodiscard]] double inverse_scale(int i) const { return scale_of(i, -1); }
 
-  /// out = a + b - c + q, measured against its terms, where a(i, j), … give the terms.
+  /// Computes out = a + b - c + q and its norm relative to the terms, which a(i, j), … return.
   template <class Terms>
   LaneResidual measure(const Terms& terms, Square& out) const {
     std::array<Lane, 5> scaled{};
@@ -268,7 +269,7 @@ class LaneOps {
   }
 
  private:
-  /// Rows and columns of a product that are summed in registers together.
+  /// Rows and columns of a tile of a product that is accumulated in registers.
   static constexpr int T = kRegisters >= 32 ? 4 : 2;
   static constexpr int kMultiple = 4;
   static constexpr double kSmallestPivot = 1e-10;
@@ -289,7 +290,7 @@ class LaneOps {
 
   using LaneTile = Tile<Lane, T, T>;
 
-  /// (i, j) → entry (i, j) of A from (row, column) on, or of Aᵀ.
+  /// (i, j) → entry (i, j) of A, or of Aᵀ, relative to (row, column).
   template <bool kTranspose>
   [[gnu::always_inline]] static inline auto entries_from(const LaneMatrix& A, int row, int column) {
     const int stride = A.columns();
@@ -320,13 +321,13 @@ class LaneOps {
       }
   }
 
-  /// Squared norms of a change and of what it leads to.
+  /// Squared norms of a change and of the changed matrix.
   struct Sizes {
     Lane change = {};
     Lane sum = {};
   };
 
-  /// Adds a tile to S at (i, j), and its mirror where it is off the diagonal.
+  /// Adds a tile to S at (i, j), and its transpose at (j, i) if it is off the diagonal.
   template <bool kDiagonal>
   [[gnu::always_inline]] static inline void add_tile(LaneTile& tile, int i, int j, Square& S,
                                                      Sizes& sizes) {
@@ -369,7 +370,7 @@ class LaneOps {
     LaneTile x = less_product(factor_, k, k, 0, k);
 #pragma GCC unroll 4
     for (int p = 0; p < T; ++p) {
-      const Lane size = magnitude(x.at[p][p]);
+      const Lane size = abs_of(x.at[p][p]);
       smallest = size < smallest || size != size ? size : smallest;
       x.at[p][p] = 1 / x.at[p][p];
 #pragma GCC unroll 4
@@ -419,7 +420,7 @@ class LaneOps {
     store_tile(x, i, j, X);
   }
 
-  /// The tile of X at (i, j) less the product of row i of the factors and column j of X, over the
+  /// The tile of X at (i, j) minus the product of row i of the factors and column j of X over the
   /// inner indices [first, last).
   [[gnu::always_inline]] inline LaneTile less_product(const Square& X, int i, int j, int first,
                                                       int last) const {

@@ -23,25 +23,27 @@ using internal::WeightR;
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-/// Couplings below this part of the matrices' size are rounding.
+/// Relative size below which couplings are regarded as rounding errors.
 constexpr double kNoCoupling = 1e-14;
-/// What is called a culprit after every method has failed.
+/// Relative size of couplings that are regarded as 0 after all methods have failed.
 constexpr double kWeakCoupling = 1e-9;
-/// Below this rcond a solution carries a warning.
+/// A solution with a smaller rcond has a warning.
 constexpr double kLowRcond = 1e-12;
-/// Below this one it is solved in 50 digits if all evidence is wanted: a Q that rounding left
-/// indefinite may have no solution beside a tiny R, which the residual does not see.
+/// With a smaller rcond, the equation is solved in 50 digits if full evidence is requested: with a
+/// tiny R, an equation whose Q is indefinite by rounding may have no solution although the residual
+/// is small.
 constexpr double kDoubtfulRcond = 1e-8;
-/// From this gain_error on, too.
+/// A larger gain_error causes a warning and, if estimated in double precision, a solve in 50
+/// digits.
 constexpr double kLargeGainError = 1e-6;
-/// The same from this internal::gain_rounding() on.
+/// With a larger internal::gain_rounding(), the equation is solved in 50 digits, too.
 constexpr double kDoubtfulGain = 1e-9;
-/// Below this gain_error no digit is lost that anybody needs.
+/// A smaller gain_error is regarded as negligible.
 constexpr double kNoLoss = 1e-12;
 
 void check_options(const RiccatiOptions& options, Eigen::Index nx, const std::string& where) {
   if (!(options.relative_tolerance > 0 && options.relative_tolerance < 1))
-    throw InvalidInput(where, fmt::format("relative_tolerance is {}, expected 0 < it < 1",
+    throw InvalidInput(where, fmt::format("relative_tolerance is {}, expected a number in (0, 1)",
                                           options.relative_tolerance));
   if (options.max_iterations < 1)
     throw InvalidInput(where,
@@ -62,7 +64,7 @@ void fill_with_nan(RiccatiResult& result, Eigen::Index nx, Eigen::Index nu) {
   result.iterations = 0;
 }
 
-/// Empty, or a warning that the sizes of the matrices leave no digits to tell a culprit by.
+/// Empty, or a warning that the magnitudes of the matrices make the culprit uncertain.
 std::string note_on_sizes(const RiccatiEquation& p) {
   constexpr double kTooFarApart = 1e14;
   double largest = 1;
@@ -74,8 +76,9 @@ std::string note_on_sizes(const RiccatiEquation& p) {
   }
   if (largest / smallest < kTooFarApart) return "";
   return fmt::format(
-      "; it may be rounding, for entries reach {:.1g} in A, {:.1g} in B, {:.1g} in Q, {:.1g} in R: "
-      "choose units, weights or a period that bring them nearer to 1",
+      "; this may be due to rounding: entries reach {:.1g} in A, {:.1g} in B, {:.1g} in Q, {:.1g} "
+      "in "
+      "R; choose units, weights or a period that bring them closer to 1",
       p.A.cwiseAbs().maxCoeff(), p.B.cwiseAbs().maxCoeff(), p.Q.cwiseAbs().maxCoeff(),
       p.R.cwiseAbs().maxCoeff());
 }
@@ -86,7 +89,8 @@ void fail(const RiccatiEquation& problem, const Culprit& culprit, RiccatiResult&
   fill_with_nan(result, problem.A.rows(), problem.B.cols());
 }
 
-/// Whether the residual is no more than the tolerance, or than the equation's condition explains.
+/// Whether the residual is within the tolerance, or within what the condition of the equation
+/// explains.
 bool residual_is_small(const Candidate& found, const RiccatiOptions& options) {
   const double unavoidable = std::min(1e-6, 100 * kEps / found.rcond);
   return found.residual <= std::max(options.relative_tolerance, unavoidable);
@@ -101,7 +105,7 @@ Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurO
                     continuous ? "imaginary axis" : "unit circle")};
   };
   if (continuous && internal::fits_extended(problem.A.rows(), problem.B.cols())) {
-    // Beside the largest, which may be 1e7 times as large, a double knows too little of it.
+    // Other eigenvalues may be 1e7 times as large, so that double precision is insufficient.
     if (const auto value = internal::axis_eigenvalue(problem)) return on_boundary(*value);
   } else {
     constexpr double kOnBoundary = 1e-6;
@@ -111,32 +115,32 @@ Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurO
           "neither doubling nor the Schur method reached the tolerance"};
 }
 
-/// "0.7 %", or "6e-05" where that is shorter.
+/// "0.7 %", or "6e-05" if that is shorter.
 std::string share(double part) {
   if (part >= 1) return "100 % or more";
   return part >= 1e-3 ? fmt::format("{:.2g} %", 100 * part) : fmt::format("{:.1g}", part);
 }
 
-/// Empty, or that the last digits of the matrices matter, and how much.
+/// Empty, or a warning about the sensitivity of the gain to rounding of the matrices.
 std::string condition_warning(const RiccatiResult& result, RiccatiProblem problem) {
   if (!(result.rcond < kLowRcond) && !(result.gain_error > kLargeGainError)) return {};
   const std::string what =
       fmt::format("the equation is ill-conditioned (rcond {:.1g}): ", result.rcond);
   if (!std::isfinite(result.gain_error))
-    return what + "rounding the matrices once more decides whether there is a solution";
+    return what + "the rounding of the matrices decides whether a solution exists";
   const char* gain = problem == RiccatiProblem::filter ? "L" : "K";
   if (result.used_extended && result.gain_error < kNoLoss)
     return what + fmt::format(
                       "{} is exact for these numbers, and changes by less than {:.0g} of its norm "
-                      "when they are rounded once more (by 1e-16)",
+                      "if they are rounded again (by 1e-16)",
                       gain, kNoLoss);
   if (result.used_extended)
     return what + fmt::format(
                       "{} is exact for these numbers, but changes by about {} of its norm "
-                      "when they are rounded once more (by 1e-16)",
+                      "if they are rounded again (by 1e-16)",
                       gain, share(result.gain_error));
-  return what +
-         fmt::format("{} may be off by up to about {} of its norm", gain, share(result.gain_error));
+  return what + fmt::format("the error of {} may be up to about {} of its norm", gain,
+                            share(result.gain_error));
 }
 
 }  // namespace
@@ -172,7 +176,7 @@ struct RiccatiSolver::State {
     if (result.poles.size() > 0) result.poles.resize(0);
     if (problem.A.rows() != nx || problem.B.cols() != nu) refuse_sizes(problem);
     const WeightR weight_R = internal::check_problem(problem, buffers, result.warning);
-    if (options.refuse_indefinite_Q && !result.warning.empty())
+    if (options.reject_indefinite_Q && !result.warning.empty())
       throw InvalidInput(internal::equation_name(problem.time), result.warning);
     const bool want_poles = options.evidence == RiccatiEvidence::full;
     if (weight_R == WeightR::well_conditioned && solve_by_doubling(problem)) {
@@ -227,8 +231,8 @@ struct RiccatiSolver::State {
     result.warning += warning;
   }
 
-  /// Whether the digits of `found` are in doubt. X may be off by residual/rcond; a nearly singular
-  /// R makes more of that in K.
+  /// Whether the accuracy of `found` is doubtful. The error of X may be residual/rcond; a nearly
+  /// singular R amplifies it in K.
   [[nodiscard]] bool is_doubtful(const RiccatiEquation& problem, WeightR weight_R) const {
     if (found.rcond < kDoubtfulRcond || weight_R != WeightR::well_conditioned) return true;
     const double rounding = internal::gain_rounding(problem, found);
@@ -236,7 +240,7 @@ struct RiccatiSolver::State {
     return !(rounding < kDoubtfulGain && error < kLargeGainError);
   }
 
-  /// In 50 digits, where that is affordable.
+  /// Solves in 50 digits if the size permits it.
   bool solve_exactly(const RiccatiEquation& problem) {
     internal::ExtendedSolution exact;
     if (!internal::fits_extended(nx, nu)) return false;
@@ -252,7 +256,7 @@ struct RiccatiSolver::State {
     return true;
   }
 
-  /// Asks first whether there is a solution at all: the Schur method does not tell.
+  /// First checks whether a solution exists, which the Schur method does not detect.
   void solve_slowly(const RiccatiEquation& problem, WeightR weight_R, bool want_poles) {
     const double rounding = kNoCoupling * static_cast<double>(nx);
     Culprit culprit = internal::find_culprit(problem, rounding, options);

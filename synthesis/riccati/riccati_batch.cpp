@@ -19,10 +19,10 @@ using internal::WeightR;
 
 namespace {
 
-/// Above this size the lanes' matrices leave the second-level cache.
+/// Above this size the matrices of the lanes exceed the second-level cache.
 constexpr Eigen::Index kLargestInLanes = 32;
 
-/// Equations that the registers hold together.
+/// Number of equations that fit in the registers together.
 constexpr std::size_t kAtOnce = internal::kLaneCount;
 
 RiccatiOptions essential(RiccatiOptions options) {
@@ -38,7 +38,7 @@ struct RiccatiBatch::State {
   RiccatiOptions options;
   RiccatiSolver solver;
   internal::CheckBuffers buffers;
-  std::unique_ptr<internal::LaneDoubling> lanes;  // none for large equations
+  std::unique_ptr<internal::LaneDoubling> lanes;  // null for large equations
   std::vector<RiccatiResult> results;
   std::string indefinite_Q;
   std::size_t fallbacks = 0;
@@ -57,7 +57,7 @@ struct RiccatiBatch::State {
 
   std::span<const RiccatiResult> solve(Time time, std::span<const RiccatiMatrices> problems) {
     if (problems.empty() || problems.size() > kLanes)
-      throw InvalidInput("RiccatiBatch", fmt::format("{} problems came, expected 1 to {}",
+      throw InvalidInput("RiccatiBatch", fmt::format("{} problems are given, expected 1 to {}",
                                                      problems.size(), kLanes));
     const bool fit = fit_for_lanes(time, problems);
     for (std::size_t first = 0; first < problems.size(); first += kAtOnce) {
@@ -73,7 +73,8 @@ struct RiccatiBatch::State {
   }
 
  private:
-  /// Checks all problems; what is not fit is left to the RiccatiSolver, which says why.
+  /// Checks whether all problems are suitable for the lanes. The RiccatiSolver solves the others,
+  /// or rejects them with a message.
   bool fit_for_lanes(Time time, std::span<const RiccatiMatrices> problems) {
     bool fit = lanes != nullptr;
     for (const RiccatiMatrices& p : problems) {
@@ -87,7 +88,7 @@ struct RiccatiBatch::State {
     return fit;
   }
 
-  /// Lanes without a problem of their own repeat the first.
+  /// Unused lanes repeat the first problem.
   bool solve_lanes(Time time, std::span<const RiccatiMatrices> problems) {
     std::array<const RiccatiMatrices*, kAtOnce> all{};
     for (std::size_t lane = 0; lane < kAtOnce; ++lane)

@@ -13,10 +13,10 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kMachineEpsilon = std::numeric_limits<double>::epsilon();
-/// Negative eigenvalues of Q or R up to this part of its largest one are taken for rounding.
+/// Negative eigenvalues of Q or R up to this fraction of its norm are regarded as rounding errors.
 constexpr double kIndefiniteByRounding = 1e-12;
 
-/// Whether M is exactly symmetric, finite, and diagonal: the quick way past the careful checks.
+/// Whether M is exactly symmetric, finite, and diagonal: a fast path that avoids the full checks.
 struct Look {
   bool finite;
   bool symmetric;
@@ -43,8 +43,8 @@ double smallest_eigenvalue(const ConstRef& M) {
       .eigenvalues()[0];
 }
 
-/// Cholesky factor of M + shift·I into the lower triangle of L. Returns the smallest pivot relative
-/// to its diagonal entry, or a number ≤ 0 where the factorization broke down.
+/// Computes the Cholesky factor of M + shift·I in the lower triangle of L. Returns the smallest
+/// pivot relative to its diagonal entry, or a number ≤ 0 if the factorization failed.
 double cholesky(const ConstRef& M, double shift, Eigen::MatrixXd& L) {
   const Eigen::Index n = M.rows();
   double smallest = std::numeric_limits<double>::infinity();
@@ -61,31 +61,31 @@ double cholesky(const ConstRef& M, double shift, Eigen::MatrixXd& L) {
   return smallest;
 }
 
-/// "Q has eigenvalue -0.1, expected Q >= 0 …" when that is so beyond rounding; empty otherwise.
+/// "Q has eigenvalue -0.1, expected Q >= 0 …" if M is indefinite beyond rounding; otherwise empty.
 std::string indefiniteness(const ConstRef& M, const Look& look, const char* name,
                            Eigen::MatrixXd& buffer) {
   if (look.diagonal && M.diagonal().minCoeff() >= 0) return {};
   const double norm = M.norm();
   if (cholesky(M, 0.5 * kIndefiniteByRounding * norm, buffer) > 0) return {};
-  const double least = smallest_eigenvalue(M);
-  if (least >= -kIndefiniteByRounding * norm) return {};
+  const double min = smallest_eigenvalue(M);
+  if (min >= -kIndefiniteByRounding * norm) return {};
   return fmt::format(
-      "{} has eigenvalue {:.6g}, expected {} >= 0 (rounding of {:g} of its norm "
-      "{:.3g} would pass)",
-      name, least, name, kIndefiniteByRounding, norm);
+      "{} has eigenvalue {:.6g}, expected {} >= 0 (up to a rounding error of {:g} of its "
+      "norm {:.3g})",
+      name, min, name, kIndefiniteByRounding, norm);
 }
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
                 CheckBuffers& buffers) {
-  // What the rounding of R's own entries leaves open.
+  // A smaller pivot may be due to the rounding of the entries of R.
   const double singular_pivot = kMachineEpsilon * static_cast<double>(problem.R.rows());
   const double pivot = cholesky(problem.R, 0, buffers.factor_R);
   if (pivot > 1e-10) return WeightR::well_conditioned;
   if (pivot > singular_pivot) return WeightR::ill_conditioned;
   if (problem.time == Time::continuous) {
-    const double least = smallest_eigenvalue(problem.R);
-    throw InvalidInput(where, fmt::format("R has eigenvalue {:.6g}, expected R > 0{}", least,
-                                          least > 0 ? " beyond rounding" : ""));
+    const double min = smallest_eigenvalue(problem.R);
+    throw InvalidInput(where, fmt::format("R has eigenvalue {:.6g}, expected R > 0{}", min,
+                                          min > 0 ? " beyond rounding" : ""));
   }
   const std::string indefinite = indefiniteness(problem.R, look, "R", buffers.factor_R);
   if (!indefinite.empty()) throw InvalidInput(where, indefinite);
@@ -142,19 +142,20 @@ std::string cost_indefiniteness(const RiccatiEquation& p) {
   cost << p.Q, p.N, p.N.transpose(), p.R;
   Eigen::MatrixXd buffer(size, size);
   const std::string found = indefiniteness(cost, look_at(cost), "[Q N; N' R]", buffer);
-  return found.empty() ? found : found + ": the cost of K is stationary, but may not be the least";
+  return found.empty() ? found
+                       : found + ": the cost of K is stationary, but may not be the minimum";
 }
 
 std::string free_inputs(const RiccatiEquation& p, const Eigen::MatrixXd& X) {
   if (p.R.isDiagonal(0) && p.R.diagonal().minCoeff() > 0) return {};
-  // In units in which every input costs 1 by itself.
+  // In units in which the weight of every input is 1.
   constexpr double kRounding = 1e-13;
   const Eigen::MatrixXd cost = p.R + p.B.transpose() * X * p.B;
   if (cost.diagonal().minCoeff() > 0) {
     const Eigen::VectorXd units = cost.diagonal().cwiseSqrt().cwiseInverse();
     if (smallest_eigenvalue(units.asDiagonal() * cost * units.asDiagonal()) > kRounding) return {};
   }
-  return "R + B'SB is singular to rounding, so that other gains cost no more than K";
+  return "R + B'SB is singular up to rounding, so that other gains have the same cost as K";
 }
 
 }  // namespace quadtune::internal

@@ -14,15 +14,15 @@
 namespace quadtune::internal {
 namespace {
 
-/// What B cannot reach: rows of P are orthonormal, P A = F P and P B = 0.
+/// The uncontrollable part of (A, B): rows of P are orthonormal, P A = F P and P B = 0.
 struct Unreachable {
   Eigen::MatrixXd P;
   Eigen::MatrixXd F;
-  double size;  ///< ‖A‖, against which eigenvalues of F count as 0
+  double size;  ///< ‖A‖, relative to which eigenvalues of F are regarded as 0
 };
 
-/// Staircase form by singular values (Paige 1981; Van Dooren 1981). Unlike a rank test at computed
-/// eigenvalues it does not mind repeated ones, which rounding scatters.
+/// Computes the staircase form by singular values (Paige 1981; Van Dooren 1981). Unlike a rank test
+/// at computed eigenvalues, it is reliable for repeated ones, which rounding scatters.
 Unreachable unreachable_part(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double tolerance) {
   const Eigen::Index n = A.rows();
   Eigen::MatrixXd P = Eigen::MatrixXd::Identity(n, n);
@@ -51,7 +51,7 @@ lapack_logical in_cluster(const double* real, const double* imaginary) {
          std::abs(std::complex<double>(*real, -std::abs(*imaginary)) - wanted) <= within;
 }
 
-/// A mode of `part` that must not be there, and the states that carry it.
+/// A mode that prevents a solution, and its dominant states.
 struct Mode {
   bool found = false;
   std::complex<double> value;
@@ -62,7 +62,8 @@ double excess(Time time, std::complex<double> value) {
   return time == Time::continuous ? value.real() : std::abs(value) - 1;
 }
 
-/// The states with the largest entries in the invariant subspace of the cluster around `member`.
+/// Lists the states with the largest entries in the invariant subspace of the cluster around
+/// `member`.
 void name_states(const Unreachable& part, std::complex<double> member, double width,
                  const std::vector<std::string>& names, Mode& mode) {
   const auto k = static_cast<lapack_int>(part.F.rows());
@@ -84,9 +85,9 @@ void name_states(const Unreachable& part, std::complex<double> member, double wi
                                           : names[static_cast<std::size_t>(i)]);
 }
 
-/// Mean of the eigenvalues within `width` of value or, when that is near the real axis, of its
-/// conjugate: the mean of a multiple eigenvalue that rounding has scattered is far more exact than
-/// its members.
+/// Mean of the eigenvalues within `width` of value or, if that is near the real axis, of its
+/// conjugate: the mean of a multiple eigenvalue that rounding has scattered is much more accurate
+/// than its members.
 std::complex<double> cluster_mean(const Eigen::VectorXcd& values, std::complex<double> value,
                                   double width) {
   std::complex<double> sum = 0;
@@ -101,7 +102,7 @@ std::complex<double> cluster_mean(const Eigen::VectorXcd& values, std::complex<d
   return std::abs(value.imag()) <= width ? std::complex<double>(mean.real(), 0) : mean;
 }
 
-/// Looks for an eigenvalue of `part` on the boundary, or, with `beyond`, outside as well.
+/// Searches for an eigenvalue of `part` on the boundary or, with `beyond`, also outside.
 Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
                const std::vector<std::string>& names) {
   const double size = time == Time::continuous ? part.size : 1.0;
@@ -140,7 +141,7 @@ PlainProblem scaled(const PlainProblem& p, const Eigen::VectorXd& d) {
           d.asDiagonal() * p.Q * d.asDiagonal()};
 }
 
-/// M in a unit in which it is as large as A. A common factor steers and sees nothing.
+/// Scales M to the norm of A. A common factor does not affect controllability or observability.
 Eigen::MatrixXd as_large_as(const Eigen::MatrixXd& A, const Eigen::MatrixXd& M) {
   const double largest = M.cwiseAbs().maxCoeff();
   if (largest == 0) return M;
@@ -148,8 +149,9 @@ Eigen::MatrixXd as_large_as(const Eigen::MatrixXd& A, const Eigen::MatrixXd& M) 
   return unit * (std::max(A.norm(), std::numeric_limits<double>::min()) / unit.norm());
 }
 
-/// What B steers and Q sees in the caller's units and without the weights' size, which, when
-/// extreme, makes couplings look like rounding.
+/// Repeats the test of controllability in the caller's units and without the magnitudes of the
+/// weights, because extreme weights make couplings look like rounding errors. is_unseen() does the
+/// same for observability through Q.
 bool is_unsteered(const RiccatiEquation& p, const Eigen::MatrixXd& A, double tolerance,
                   double boundary) {
   const Unreachable part = unreachable_part(A, as_large_as(A, p.B), tolerance);
@@ -177,7 +179,8 @@ Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOp
   const Mode unsteered = find_mode(p.time, unreachable_part(in_scale.A, in_scale.B, tolerance),
                                    true, boundary, options.state_names);
   if (unsteered.found && is_unsteered(p, plain.A, tolerance, boundary)) {
-    const std::string words = filter ? "cannot be seen by the measurements" : "cannot be steered";
+    const std::string words =
+        filter ? "cannot be observed by the measurements" : "cannot be controlled";
     return {RiccatiStatus::not_stabilizable, sentence(unsteered, words, words)};
   }
   const Mode unseen =
@@ -185,8 +188,9 @@ Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOp
                 boundary, options.state_names);
   if (unseen.found && is_unseen(p, plain, tolerance, boundary))
     return {RiccatiStatus::not_detectable,
-            filter ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")
-                   : sentence(unseen, "is not seen by Q", "are not seen by Q")};
+            filter
+                ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")
+                : sentence(unseen, "is not observable through Q", "are not observable through Q")};
   return {};
 }
 

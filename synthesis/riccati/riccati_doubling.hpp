@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Solves both Riccati equations by structure-preserving doubling, then by Newton's method, and
-/// proves the solution stabilizing. Written once over the arithmetic (`Ops`).
+/// proves the solution stabilizing. The arithmetic is a template parameter (`Ops`).
 ///
-/// All is in scaled states z, x = D z. A Newton step solves the Lyapunov equation of the closed
-/// loop by squaring (Smith 1968); that the powers vanish is the proof that X is stabilizing.
+/// All matrices are in scaled states z, x = D z. A Newton step solves the Lyapunov equation of the
+/// closed loop by squaring (Smith 1968); the convergence of the powers to 0 proves that X is
+/// stabilizing.
 ///
 /// What each matrix holds after the doubling; L Lᵀ = R, and M is the right side of a Lyapunov
 /// equation A_cᵀΔ + ΔA_c + M = 0 (discrete A_cᵀΔA_c - Δ + M = 0), A_c = A - B K.
 ///
 /// | matrix           | content                                                               |
 /// |------------------|-----------------------------------------------------------------------|
-/// | A_, B_, Q_, N_   | as the caller gave them, scaled; R_ is not scaled                     |
+/// | A_, B_, Q_, N_   | the caller's matrices, scaled; R_ is not scaled                       |
 /// | Linv_, Bs_, Ns_  | L⁻¹, B L⁻ᵀ, N L⁻ᵀ                                                     |
 /// | H_               | X                                                                     |
 /// | G_               | the X before a Newton step                                            |
@@ -19,12 +20,12 @@
 /// | Y_               | Y Yᵀ = KᵀSK (continuous KᵀRK), the quadratic term of the equation     |
 /// | Kt_              | discrete BᵀXA + Nᵀ, transposed, then Kᵀ; continuous Kᵀ at the end     |
 /// | residual_        | residual matrix of the equation at X                                  |
-/// | BK_              | B K of the X that was proved stabilizing                              |
+/// | BK_              | B K of the X that is proved to be stabilizing                         |
 /// | F_               | continuous only: (A_c - γI)⁻¹                                         |
 /// | E_               | S₀ = I + 2γ F (discrete A_c), then its powers S₀², S₀⁴, …             |
 /// | h0_, h2_         | M = I and M = X² (discrete A_cᵀX²A_c), then the solutions Δ           |
 /// | correction_      | M = residual_, then the solution Δ, Newton's correction of X          |
-/// | T_, U_, V_       | products on their way                                                 |
+/// | T_, U_, V_       | intermediate products                                                 |
 #pragma once
 
 #include <Eigen/Core>
@@ -109,13 +110,14 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     }
   }
 
-  /// Judges X = H; takes Newton steps while they pay; writes X, K and the residual back.
+  /// Computes the residual of X = H, refines X by Newton steps while they reduce it sufficiently,
+  /// and writes X, K and the residual to `found`.
   bool polish(bool continuous, Candidate& found, SquaredNorms& norms) {
     Square& X = H_;
     Square& X_before = G_;
     Residual now = residual(continuous);
     if (!std::isfinite(now.worst())) return false;
-    bool pays = true;  // whether the step before halved the residual
+    bool pays = true;  // whether the previous step halved the residual
     for (int step = 0;; ++step) {
       const bool refine = pays && now.worst() > worth_refining_ && step < kMaxNewtonSteps;
       if (!prove_stable(continuous, refine)) return false;
@@ -143,8 +145,8 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     ops_.store_solution(H_, Kt_, found.X, found.K);
   }
 
-  /// The residual matrix into residual_, with Y_ and, for the discrete equation, Sinv_; from the
-  /// caller's data, scaled by exact powers of two.
+  /// Computes residual_, Y_ and, for the discrete equation, Sinv_ from the caller's data, which are
+  /// scaled exactly, by powers of two.
   Residual residual(bool continuous) {
     ops_.multiply_panel(H_, B_, XB_);
     if (continuous) {
@@ -168,14 +170,14 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     return ops_.residual_discrete(T_, H_, U_, Q_, residual_);
   }
 
-  /// BK = B K of the present X: B L⁻ᵀ Yᵀ (discrete B (Y L⁻¹)ᵀ).
+  /// Computes BK = B K of the current X: B L⁻ᵀ Yᵀ (discrete B (Y L⁻¹)ᵀ).
   void feedback(bool continuous, Square& BK) {
     if (!continuous) ops_.multiply_small(Y_, Sinv_, Kt_);
     ops_.multiply_nt(continuous ? Bs_ : B_, continuous ? Y_ : Kt_, BK);
   }
 
-  /// E = A_c, or, continuous, its Cayley transform I + 2γ F with F = (A_c - γI)⁻¹. All poles are
-  /// stable exactly when the powers of E vanish.
+  /// Computes E = A_c or, continuous, its Cayley transform I + 2γ F with F = (A_c - γI)⁻¹. All
+  /// poles are stable if and only if the powers of E converge to 0.
   bool close_loop(bool continuous) {
     feedback(continuous, BK_);
     E_.set_difference(A_, BK_);  // A_c = A - B K
@@ -191,8 +193,8 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     return true;
   }
 
-  /// M ← 2γ Fᵀ M F, the first term of the sum Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the Lyapunov equation;
-  /// discrete M itself.
+  /// M ← 2γ Fᵀ M F, the first term of the sum Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the Lyapunov equation.
+  /// In discrete time, the first term is M itself.
   void start_sum(bool continuous, Square& M) {
     if (!continuous) return;
     ops_.multiply(M, F_, T_);
@@ -200,13 +202,13 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     M *= 2 * gamma_;
   }
 
-  /// M ← M + Eᵀ M E, twice as many terms of the sum.
+  /// M ← M + Eᵀ M E, which doubles the number of terms of the sum.
   void double_sum(Square& M) {
     ops_.multiply(M, E_, T_);
     ops_.add_product_tn(E_, T_, M);
   }
 
-  /// Right sides of the Lyapunov equations from which the condition is estimated, I and X²
+  /// Sets the right-hand sides of the Lyapunov equations for the condition estimate: I and X²
   /// (discrete A_cᵀX²A_c) in the caller's units.
   void load_norm_sums(bool continuous) {
     ops_.set_squared_scales(h0_);  // D I D
@@ -243,9 +245,9 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     return false;
   }
 
-  /// Whether xᵀ h₀ x, a Lyapunov function of the closed loop before the correction, is one of the
-  /// closed loop after it: with dA the difference, h₀ dA (discrete (A_c + dA)ᵀ h₀ dA) must be small
-  /// compared with the I for which h₀ was computed.
+  /// Whether xᵀ h₀ x, a Lyapunov function of the closed loop before the correction, is also one of
+  /// the closed loop after it. With the difference dA of both loops, h₀ dA (discrete (A_c + dA)ᵀ h₀
+  /// dA) must be small compared with the I for which h₀ was computed.
   bool proof_covers_correction(bool continuous) {
     Square& BK_now = T_;
     feedback(continuous, BK_now);
@@ -271,14 +273,14 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     norms.h2 = squared(ops_.weighted_norm(h2_));
   }
 
-  /// Norm of the powers at which the sums are exact to its square.
+  /// Norm of a power at which the relative error of the sums is its square.
   static constexpr double kVanished = 0.03;
-  /// Relative change of H after which the next one is lost in rounding.
+  /// Relative change of H after which the next change would be below rounding.
   static constexpr double kTolerance = 1e-8;
   static constexpr int kMaxNewtonSteps = 8;
   static constexpr int kMaxSquarings = 45;
 
-  /// Below this residual, which rounding leaves in sums of so many terms, a step cannot pay.
+  /// Residual due to rounding in sums of this length; below it, a Newton step cannot improve X.
   double worth_refining_ = std::max(4e-15, 5e-17 * static_cast<double>(ops_.size()));
   bool cross_ = false;
   double norm_A_ = 0;

@@ -11,8 +11,8 @@
 namespace quadtune::internal {
 namespace {
 
-/// Cholesky factor of R; of a singular R, after adding 1e-8 of its size to the diagonal, which
-/// keeps what is steerable steerable.
+/// Cholesky factor of R. If R is singular, 1e-8 of its norm is first added to its diagonal, which
+/// preserves controllability.
 Eigen::MatrixXd cholesky_or_nearby(const ConstRef& R) {
   const Eigen::LLT<Eigen::MatrixXd> exact(R);
   if (exact.info() == Eigen::Success) return exact.matrixL();

@@ -22,7 +22,7 @@ using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// N is empty for zero.
+/// The problem in 50 digits; N is empty for zero.
 struct Problem {
   Time time;
   Matrix A, B, Q, R, N;
@@ -49,8 +49,8 @@ bool is_finite(const Matrix& M) {
                      [](const Real& x) { return mp::isfinite(x); });
 }
 
-/// K = S⁻¹ F with S = R, F = BᵀX + Nᵀ, or, discrete, S = R + BᵀXB, F = BᵀXA + Nᵀ. That S must be
-/// regular only: a Q whose rounding left it indefinite may leave S so where R is tiny.
+/// K = S⁻¹ F with S = R, F = BᵀX + Nᵀ, or, discrete, S = R + BᵀXB, F = BᵀXA + Nᵀ. S need
+/// only be regular: if R is tiny, a Q that is indefinite by rounding may make S indefinite, too.
 bool gain(const Problem& p, Solution& at) {
   const Matrix BtX = p.B.transpose() * at.X;
   Matrix F = p.continuous() ? BtX : Matrix(BtX * p.A);
@@ -75,7 +75,7 @@ Matrix residual(const Problem& p, const Solution& at) {
   return symmetric(p.A.transpose() * XA - at.X + rest);
 }
 
-/// As RiccatiResult::residual.
+/// Same as RiccatiResult::residual.
 double relative_residual(const Problem& p, const Solution& at) {
   const Real size = residual(p, at).norm();
   if (size == 0) return 0;
@@ -89,8 +89,9 @@ double relative_residual(const Problem& p, const Solution& at) {
   return Real(size / terms).convert_to<double>();
 }
 
-/// Solves the closed loop's Lyapunov equation for each of `sums` in place by squaring (Smith 1968).
-/// @return  false when the powers do not vanish: the loop is not stable
+/// Solves the Lyapunov equation of the closed loop for each of `sums` in place by squaring (Smith
+/// 1968).
+/// @return  false if the powers do not converge to 0, i.e. the loop is not stable
 bool solve_lyapunov(const Problem& p, const Matrix& K, const Real& gamma,
                     std::initializer_list<Matrix*> sums) {
   const Index n = p.A.rows();
@@ -116,8 +117,8 @@ bool solve_lyapunov(const Problem& p, const Matrix& K, const Real& gamma,
   return n == 0;
 }
 
-/// Newton–Kleinman from a stabilizing K until K stands still, or moves by rounding only. The last
-/// loop is proved stable.
+/// Newton–Kleinman iteration from a stabilizing K until K changes by rounding errors at most. The
+/// last closed loop is proved to be stable.
 bool refine(const Problem& p, const Real& gamma, Solution& at) {
   constexpr int kMaxSteps = 60;
   const Real stands("1e-24");
@@ -139,15 +140,15 @@ bool refine(const Problem& p, const Real& gamma, Solution& at) {
   return false;
 }
 
-/// The equation without its cross term and in scaled states, with R and Q raised by `lift` of their
-/// size: that makes a singular R invertible, and lets Q see every mode.
+/// The equation without its cross term and in scaled states, with R and Q increased by `lift` of
+/// their norms: this makes a singular R invertible, and every mode observable through Q.
 struct Plain {
   Matrix A, G, Q;
 };
 bool plain_problem(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Plain& plain) {
   Matrix R = symmetric(p.R);
   Real size_R = R.norm();
-  // Q reaches the inputs at once or, where BᵀQB is 0, some steps later.
+  // Q weights the inputs after one step or, if BᵀQB is 0, after several.
   if (!p.continuous()) size_R += p.B.squaredNorm() * p.Q.norm();
   R.diagonal().array() += lift * size_R;
   const Eigen::LLT<Matrix> llt(R);
@@ -168,7 +169,7 @@ bool plain_problem(const Problem& p, const Eigen::VectorXd& d, const Real& lift,
   return is_finite(plain.A) && is_finite(plain.G) && is_finite(plain.Q);
 }
 
-/// Cayley transform at γ, as in DoublingSteps::cayley().
+/// Cayley transform at γ; see DoublingSteps::cayley().
 bool cayley(const Plain& p, const Real& gamma, Matrix& E, Matrix& G, Matrix& H) {
   const Index n = p.A.rows();
   const Matrix A_gamma = p.A - gamma * Matrix::Identity(n, n);
@@ -182,8 +183,8 @@ bool cayley(const Plain& p, const Real& gamma, Matrix& E, Matrix& G, Matrix& H) 
   return is_finite(E) && is_finite(G) && is_finite(H);
 }
 
-/// Doubling, as DoublingSteps::iterate(). X of the scaled problem in H.
-/// @param steps_left  lowered by the steps taken
+/// Doubling; see DoublingSteps::iterate(). On return H is the X of the scaled problem.
+/// @param steps_left  reduced by the number of steps
 bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left) {
   constexpr int kMaxIterations = 70;
   const Real stands("1e-20");
@@ -202,7 +203,7 @@ bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left
   return false;
 }
 
-/// A speed between the slow and the fast poles; see GeometricSpeed.
+/// Computes a γ between the slow and the fast poles; see GeometricSpeed.
 double speed(const Plain& p) {
   GeometricSpeed speed;
   const MatrixXd A = p.A.cast<double>();
@@ -218,7 +219,7 @@ double speed(const Plain& p) {
   return std::isfinite(value) && value > 0 ? value : 1.0;
 }
 
-/// Rounds every entry once more, up or down by chance, as if it had come from other last digits.
+/// Perturbs every entry by one rounding, randomly up or down.
 class Rounding {
  public:
   Matrix of(const Matrix& M, bool symmetric_too) {
@@ -242,9 +243,9 @@ class Rounding {
   std::mt19937_64 random_{1};
 };
 
-/// ‖δK‖/‖K‖ when all entries of the problem are rounded differently, the largest of a few trials;
-/// one Newton step tells it to first order. Infinite when the rounding decides whether there is a
-/// solution.
+/// Estimates ‖δK‖/‖K‖ under random roundings of all entries of the problem: the maximum of a few
+/// trials, each to first order by one Newton step. Infinite if the rounding decides whether a
+/// solution exists.
 double change_by_rounding(const Problem& p, const Real& gamma, const Solution& at) {
   constexpr int kTrials = 3;
   const Real size = at.K.norm();
@@ -287,7 +288,8 @@ double rcond_of(const RiccatiEquation& equation, const Problem& p, const Real& g
   return norms.reciprocal_condition();
 }
 
-/// Doubling of the problem lifted by `lift`, then Newton's steps on the problem itself.
+/// Solves the problem that is lifted by `lift` by doubling, then applies Newton steps to the
+/// problem itself.
 bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Real& gamma,
                   Solution& at, int& iterations, int& steps_left) {
   Plain plain;
@@ -306,14 +308,14 @@ bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, 
   return gain(p, at) && refine(p, gamma, at);
 }
 
-/// Doubling steps of all attempts together. A step costs n³: as many as there may ever be up to 16
-/// states, enough for one attempt with 40.
+/// Maximum number of doubling steps of all attempts together. A step costs O(n³): up to 16 states
+/// the limit has no effect; with 40 states it suffices for one attempt.
 int affordable_steps(Index n) {
   const double states = static_cast<double>(std::max<Index>(n, 1));
   return static_cast<int>(std::clamp(420 * std::pow(16 / states, 3), 40.0, 420.0));
 }
 
-/// Eigenvalues from a real Schur form; empty when its iteration did not end.
+/// Eigenvalues from a real Schur form; empty if its iteration did not converge.
 Eigen::VectorXcd eigenvalues_of(const Matrix& M) {
   const Eigen::RealSchur<Matrix> schur(M, false);
   if (schur.info() != Eigen::Success) return {};
@@ -350,14 +352,14 @@ bool solve_extended(const RiccatiEquation& equation, ExtendedSolution& found) {
   Real gamma;
   int steps_left = affordable_steps(p.A.rows());
   const auto solve = [&] {
-    // The last lift is for an R that rounding has left with an eigenvalue below 0.
+    // The last lift is for an R that has a negative eigenvalue by rounding.
     for (const char* lift : {"0", "1e-24", "1e-15"})
       if (solve_lifted(p, d, Real(lift), gamma, at, candidate.iterations, steps_left)) return true;
     return false;
   };
   bool decided_by_rounding = false;
   if (!solve()) {
-    // The eigenvalues below 0 that rounding has left Q may be as large as a tiny R.
+    // The negative eigenvalues of Q due to rounding may be as large as a tiny R.
     const double rounding =
         std::numeric_limits<double>::epsilon() * static_cast<double>(p.A.rows());
     p.Q.diagonal().array() += Real(rounding) * p.Q.norm();
@@ -367,7 +369,7 @@ bool solve_extended(const RiccatiEquation& equation, ExtendedSolution& found) {
   candidate.X = at.X.cast<double>();
   candidate.K = at.K.cast<double>();
   if (!candidate.X.allFinite() || !candidate.K.allFinite()) return false;
-  // K is handed out in double precision: that loop must be stable, not only the exact one's.
+  // K is returned in double precision: the loop of the rounded K must be stable, too.
   const Solution rounded{extended(candidate.X), extended(candidate.K)};
   if (!solve_lyapunov(p, rounded.K, gamma, {})) return false;
   candidate.residual = relative_residual(p, rounded);
@@ -388,7 +390,7 @@ std::optional<std::complex<double>> axis_eigenvalue(const RiccatiEquation& equat
   const Index n = plain.A.rows();
   Matrix H(2 * n, 2 * n);
   H << plain.A, -plain.G, -plain.Q, -plain.A.transpose();
-  // A multiple eigenvalue at 0 is scattered over a root of 1e-50 of ‖H‖.
+  // Rounding scatters a multiple eigenvalue at 0 over a root of 1e-50, relative to ‖H‖.
   const double scatter = 1e-10 * H.norm().convert_to<double>();
   for (const std::complex<double>& value : eigenvalues_of(H))
     if (std::abs(value.real()) <= 1e-10 * (std::abs(value) + scatter))

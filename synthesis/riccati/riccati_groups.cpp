@@ -10,17 +10,17 @@ namespace {
 
 /// Sets of states or inputs.
 using Set = std::uint64_t;
-constexpr Eigen::Index kMostMembers = 64;
+constexpr Eigen::Index kMaxMembers = 64;
 
 Set only(Eigen::Index i) { return Set{1} << i; }
 
-/// States and inputs that know only of one another.
+/// States and inputs that are decoupled from all others.
 struct Members {
   Set states = 0;
   Set inputs = 0;
 };
 
-/// A group as a problem of its own, with the memory to solve it.
+/// A group as a separate problem, with the memory to solve it.
 class Group {
  public:
   bool solve(const RiccatiEquation& whole, const Eigen::MatrixXd& factor_R, const Members& members,
@@ -53,10 +53,10 @@ class Group {
       for (std::size_t i = 0; i < rows.size(); ++i) to(row(i), row(j)) = from(rows[i], cols[j]);
   }
 
-  /// States without any input get one that does nothing.
+  /// Copies the problem of a group. States without inputs get one input that has no effect.
   void fill(const RiccatiEquation& whole, const Eigen::MatrixXd& factor_R, const Members& members) {
-    states_.reserve(kMostMembers);
-    inputs_.reserve(kMostMembers);
+    states_.reserve(kMaxMembers);
+    inputs_.reserve(kMaxMembers);
     list(members.states, states_);
     list(members.inputs, inputs_);
     const auto nx = row(states_.size());
@@ -104,12 +104,12 @@ class GroupedSolver final : public DoublingSolver {
 
   bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
              const RiccatiOptions& options, Candidate& found, SquaredNorms& norms) override {
-    if (nx_ == 1 || nx_ > kMostMembers || nu_ > kMostMembers || !falls_apart(problem))
+    if (nx_ == 1 || nx_ > kMaxMembers || nu_ > kMaxMembers || !falls_apart(problem))
       return whole_->solve(problem, factor_R, options, found, norms);
     norms = {};
     found.iterations = 0;
     found.X.setZero(nx_, nx_);
-    found.K.setZero(nu_, nx_);  // an input that no state knows of stays at rest
+    found.K.setZero(nu_, nx_);  // the gain of an input without states is 0
     if (groups_.size() < members_.size()) groups_.resize(members_.size());
     for (std::size_t g = 0; g < members_.size(); ++g) {
       SquaredNorms part;
@@ -120,7 +120,7 @@ class GroupedSolver final : public DoublingSolver {
   }
 
  private:
-  /// Fills members_. False when all states are in one group.
+  /// Computes members_. False if all states are in one group.
   bool falls_apart(const RiccatiEquation& p) {
     for (Eigen::Index j = 0; j < nx_; ++j) neighbours_[at(j)] = only(j);
     for (Eigen::Index j = 0; j < nx_; ++j)
@@ -133,7 +133,7 @@ class GroupedSolver final : public DoublingSolver {
     for (Eigen::Index k = 0; k < nu_; ++k) {
       Set users = 0;
       for (Eigen::Index i = 0; i < nx_; ++i)
-        for (Eigen::Index l = 0; l < nu_; ++l)  // an input weighted together with k, too
+        for (Eigen::Index l = 0; l < nu_; ++l)  // also inputs with a joint weight with k
           if (l == k || p.R(l, k) != 0)
             if (p.B(i, l) != 0 || (p.has_cross_term() && p.N(i, l) != 0)) users |= only(i);
       for (Set rest = users; rest != 0; rest &= rest - 1) {
@@ -143,7 +143,7 @@ class GroupedSolver final : public DoublingSolver {
       }
     }
     members_.clear();
-    const Set all = nx_ == kMostMembers ? ~Set{0} : only(nx_) - 1;
+    const Set all = nx_ == kMaxMembers ? ~Set{0} : only(nx_) - 1;
     for (Set rest = all; rest != 0; rest &= ~members_.back().states)
       members_.push_back(connected(static_cast<std::size_t>(std::countr_zero(rest))));
     return members_.size() > 1;

@@ -16,7 +16,7 @@ bool LaneDoubling::solve(Time time, const std::array<const RiccatiMatrices*, kLa
   return iterate(max_iterations, kTolerance, iterations_) && polish();
 }
 
-/// A, B, Q, R, N as given; At, Qt of the problem without cross term; G = B R⁻¹ Bᵀ.
+/// Loads A, B, Q, R, N, and computes Ã, Q̃ of the problem without cross term and G = B R⁻¹ Bᵀ.
 bool LaneDoubling::load(const std::array<const RiccatiMatrices*, kLaneCount>& problems) {
   cross_ = problems[0]->N.size() > 0;
   for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -92,14 +92,14 @@ bool LaneDoubling::polish() {
   Square& X = H_;
   Square& X_before = G_;
   residual_of_ = evaluate();
-  bool pays = true;  // whether the step before halved the residual
+  bool pays = true;  // whether the previous step halved the residual
   for (int step = 0;; ++step) {
     const double worst = largest(residual_of_.worst);
     if (std::isnan(worst)) return false;
     const bool refine = pays && worst > kWorthRefining && step < kMaxNewtonSteps;
     if (!prove_stable(refine)) return false;
     if (!refine) return true;
-    X_before = X;  // the proof is of this one
+    X_before = X;  // the proof is about this X
     LaneOps::add_symmetric(correction_, X);
     const LaneResidual then = evaluate();
     const double refined = largest(then.worst);
@@ -113,7 +113,7 @@ bool LaneDoubling::polish() {
   }
 }
 
-/// E = A - B K, or, continuous, its Cayley transform I + 2γ F with F = (A - B K - γI)⁻¹.
+/// Computes E = A - B K or, continuous, its Cayley transform I + 2γ F with F = (A - B K - γI)⁻¹.
 bool LaneDoubling::close_loop() {
   E_ = A_;
   ops_.subtract_product_nt(Bh_, Y_, E_);
@@ -147,7 +147,7 @@ bool LaneDoubling::prove_stable(bool refine) {
     for (int lane = 0; lane < kLaneCount; ++lane) {
       const double norm = size[lane];
       stable_[static_cast<std::size_t>(lane)] = norm <= small;
-      decided = decided && !(norm > small && norm < 1e100);  // NaN is decided
+      decided = decided && !(norm > small && norm < 1e100);  // NaN counts as decided
     }
     if (decided) return true;
     if (refine) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One Riccati equation in each lane, all at once, by structure-preserving doubling, with Newton
-/// steps, residuals and the proof that each closed loop is stable.
+/// Solves one Riccati equation in each lane simultaneously by structure-preserving doubling, with
+/// Newton steps, residuals and a proof that each closed loop is stable.
 ///
-/// Matrices as in riccati_doubling.hpp, which explains the steps, but for
+/// The matrices are those of riccati_doubling.hpp, which explains the steps, except for
 ///
 /// | matrix   | content                                                                       |
 /// |----------|-------------------------------------------------------------------------------|
@@ -26,17 +26,19 @@ class LaneDoubling : DoublingSteps<LaneOps> {
  public:
   LaneDoubling(Eigen::Index nx, Eigen::Index nu);
 
-  /// @param problems  checked, of one time; all with or all without a cross term
-  /// @return          false when the lanes could not be carried to an end together
+  /// Solves all problems.
+  /// @param problems  validated, all continuous or all discrete; all with or all without a cross
+  ///                  term
+  /// @return          false if the common algorithm fails in any lane
   bool solve(Time time, const std::array<const RiccatiMatrices*, kLaneCount>& problems,
              int max_iterations);
 
-  /// Whether this lane's closed loop was proved stable.
+  /// Whether the closed loop of this lane is proved to be stable.
   [[nodiscard]] bool stable(int lane) const { return stable_[static_cast<std::size_t>(lane)]; }
-  /// Relative to the sum of the norms of the terms, in the caller's units.
+  /// The residual relative to the sum of the norms of the terms, in the caller's units.
   [[nodiscard]] double residual(int lane) const { return residual_of_.relative[lane]; }
   [[nodiscard]] int iterations() const { return iterations_; }
-  /// X and K in the caller's units, into matrices of the right sizes.
+  /// Writes X and K in the caller's units to matrices of the correct sizes.
   void store(int lane, Eigen::MatrixXd& X, Eigen::MatrixXd& K) const;
 
  private:
@@ -46,21 +48,22 @@ class LaneDoubling : DoublingSteps<LaneOps> {
   bool load(const std::array<const RiccatiMatrices*, kLaneCount>& problems);
   void scale();
   bool polish();
-  /// The residual matrix at X into residual_, with Y_, Bh_ and inverse_. NaN if S of some lane is
-  /// not positive definite.
+  /// Computes the residual matrix at X in residual_, and Y_, Bh_ and inverse_. NaN if S of any lane
+  /// is not positive definite.
   LaneResidual evaluate();
-  /// Squares the closed loop's map until it is small in every lane; with `refine` the same powers
-  /// give Newton's correction of X. False when the map cannot be formed.
+  /// Squares the map of the closed loop until it is small in every lane. With `refine`, the same
+  /// powers yield Newton's correction of X. False if the map cannot be computed.
   bool prove_stable(bool refine);
   bool close_loop();
 
-  /// Norm of the map of stable lanes that stand for themselves; powers of it vanish.
+  /// Norm of a power of the map below which a lane is stable, since further powers converge to 0.
   static constexpr double kContracts = 0.5;
-  /// Norm at which the sums of the correction are exact to its square.
+  /// Norm of a power at which the relative error of the correction is its square.
   static constexpr double kVanished = 0.03;
-  /// As in riccati_doubling.hpp.
+  /// Same as in riccati_doubling.hpp.
   static constexpr double kTolerance = 1e-8;
-  /// Doubling without pivots leaves some 1e-15 to 1e-14; a Newton step costs a quarter of it.
+  /// Doubling without pivoting leaves residuals of 1e-15 to 1e-14; a Newton step costs a quarter of
+  /// it.
   static constexpr double kWorthRefining = 2e-14;
   static constexpr int kMaxNewtonSteps = 3;
   static constexpr int kMaxSquarings = 45;

@@ -55,23 +55,25 @@ void SingleDoubling::solve_lyapunov(const DoubleOps& ops, DoubleOps::Square& M) 
   ops.convert(ops_, V_, size, M);
 }
 
-// --- both together ---
+// --- single and double precision ---
 
 namespace {
 
-/// Residual of an approximation that Newton's method may be trusted to mend.
+/// Maximum residual of an approximation from which Newton's method converges reliably.
 constexpr double kWorthMending = 1e-2;
-/// A step in single precision gains about three digits until the residual is down to rounding.
+/// Maximum ratio of successive residuals: a step in single precision gains about three digits until
+/// the residual reaches rounding level.
 constexpr double kStillGaining = 0.25;
 constexpr int kMaxCorrections = 8;
-/// Against the residual that rounding leaves: what one more step is not worth, and what double
-/// precision would do better.
+/// Limits relative to the residual due to rounding: below the first another step is not useful;
+/// above the second double precision would be better.
 constexpr double kGoodEnough = 5;
 constexpr double kTooMuch = 10;
-/// Powers of more than this, or sums of such, would lose what single precision holds.
+/// Maximum norm of a power; sums of larger ones would exceed the accuracy of single precision.
 constexpr double kLargestPower = 1e4;
 constexpr double kLargestSpread = 64;
-/// What the sums may leave out: a power of norm e adds e², all after it e⁴.
+/// Maximum relative truncation error of the sums: a power of norm e contributes e², all later ones
+/// e⁴.
 constexpr double kLeftOut = 1e-3;
 
 }  // namespace
@@ -103,7 +105,7 @@ bool MixedDoubling::solve_from_single(bool continuous, const RiccatiOptions& opt
   return true;
 }
 
-/// Proves H_ stabilizing in double precision: the powers of its closed loop vanish.
+/// Proves in double precision that H_ is stabilizing: the powers of its closed loop converge to 0.
 bool MixedDoubling::keep_powers(bool continuous) {
   if (!close_loop(continuous)) return false;
   load_norm_sums(continuous);
@@ -118,8 +120,8 @@ bool MixedDoubling::keep_powers(bool continuous) {
   }
 }
 
-/// Newton's steps by the loop that was closed with the first X, until they no longer pay. False
-/// when double precision would end with a smaller residual.
+/// Refines X by Newton steps that use the closed loop of the first X, until they no longer reduce
+/// the residual sufficiently. False if double precision would attain a smaller residual.
 bool MixedDoubling::correct(bool continuous, Residual& now) {
   Square& X_before = G0_;
   for (int step = 0; now.worst() > kGoodEnough * worth_refining_ && step < kMaxCorrections;

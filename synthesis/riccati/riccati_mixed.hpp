@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The doubling for large problems: steps in single precision, which run at twice the speed,
-/// corrected by Newton's method with the residual in double precision.
+/// Doubling for large problems: the steps use single precision, which is twice as fast, and
+/// Newton's method corrects the result with residuals in double precision.
 #pragma once
 
 #include <vector>
@@ -10,32 +10,33 @@
 
 namespace quadtune::internal {
 
-/// What is done in single precision: a first approximation, and the sums that solve the closed
-/// loop's Lyapunov equation.
+/// The computations in single precision: a first approximation, and the sums that solve the
+/// Lyapunov equation of the closed loop.
 class SingleDoubling : private DoublingSteps<KernelOps<0, float>> {
  public:
   using DoubleOps = KernelOps<0, double>;
 
   SingleDoubling(Eigen::Index nx, Eigen::Index nu);
 
-  /// X of the problem A_tilde, G, Q_tilde in X, with about four digits; continuous from the given
-  /// γ, which may move. False when the steps do not converge.
+  /// Solves the problem A_tilde, G, Q_tilde for X, to about four digits. The continuous problem
+  /// starts with the given γ, which may be changed. False if the steps do not converge.
   bool approximate(bool continuous, const DoubleOps& ops, const DoubleOps::Square& A_tilde,
                    const DoubleOps::Square& G, const DoubleOps::Square& Q_tilde, int max_iterations,
                    double& gamma, DoubleOps::Square& X, int& iterations);
 
-  /// Starts a list of powers. F is the (A - B K - γI)⁻¹ of a continuous equation.
+  /// Starts a list of powers. F is (A - B K - γI)⁻¹ if continuous.
   void start_powers(bool continuous, const DoubleOps& ops, double gamma,
                     const DoubleOps::Square& F);
-  /// Adds the next power E, E², E⁴, … False when there is no room for it.
+  /// Adds the next power E, E², E⁴, … False if the list is full.
   bool keep_power(const DoubleOps& ops, const DoubleOps::Square& power);
   /// M ← the solution of the closed loop's Lyapunov equation for M, with about three digits.
   void solve_lyapunov(const DoubleOps& ops, DoubleOps::Square& M);
 
  private:
-  /// 2¹⁶ samples of the Cayley-transformed loop: slower ones are left to double precision.
+  /// Maximum number of powers, 2¹⁶ samples of the Cayley-transformed loop. Slower loops are solved
+  /// in double precision.
   static constexpr std::size_t kRoom = 16;
-  /// Change of H at which single precision has nothing more to give.
+  /// Relative change of H at which single precision has converged.
   static constexpr double kTolerance = 1e-4;
 
   bool continuous_ = true;
@@ -45,7 +46,7 @@ class SingleDoubling : private DoublingSteps<KernelOps<0, float>> {
   Square F_ = ops_.square();
 };
 
-/// As Doubling, by single precision where that reaches the residual of double precision.
+/// Same as Doubling, but uses single precision if that attains the residual of double precision.
 class MixedDoubling final : public Doubling<KernelOps<0, double>> {
  public:
   MixedDoubling(Eigen::Index nx, Eigen::Index nu);

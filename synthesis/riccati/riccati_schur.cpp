@@ -12,7 +12,7 @@ namespace {
 
 /// Basis of the stable invariant (deflating) subspace, and the eigenvalues.
 struct Subspace {
-  Eigen::MatrixXd basis;  ///< (2 nx × nx), empty when there is none of this dimension
+  Eigen::MatrixXd basis;  ///< (2 nx × nx), empty if there is none of this dimension
   Eigen::VectorXcd eigenvalues;
 };
 
@@ -24,7 +24,7 @@ lapack_logical in_unit_disk(const double* real, const double* imaginary, const d
   return std::hypot(*real, *imaginary) < std::abs(*beta);
 }
 
-/// By the Hamiltonian matrix [A -G; -Q -Aᵀ].
+/// Computes the subspace of the Hamiltonian matrix [A -G; -Q -Aᵀ].
 Subspace of_hamiltonian(const PlainProblem& p) {
   const Eigen::Index n = p.A.rows();
   const auto order = static_cast<lapack_int>(2 * n);
@@ -46,7 +46,7 @@ Subspace of_hamiltonian(const PlainProblem& p) {
   return found;
 }
 
-/// By the extended pencil, its last nu columns compressed away:
+/// Computes the subspace of the extended pencil after eliminating its last nu columns:
 /// [A 0 B; -Q -Aᵀ -N; Nᵀ Bᵀ R] - λ [I 0 0; 0 I 0; 0 0 0], or, discrete,
 /// [A 0 B; -Q I -N; Nᵀ 0 R] - λ [I 0 0; 0 Aᵀ 0; 0 -Bᵀ 0].
 Subspace of_pencil(const RiccatiEquation& p, const Eigen::VectorXd& d) {
@@ -54,7 +54,7 @@ Subspace of_pencil(const RiccatiEquation& p, const Eigen::VectorXd& d) {
   const Eigen::Index m = p.B.cols();
   const bool continuous = p.time == Time::continuous;
   const Eigen::VectorXd e = d.cwiseInverse();
-  // Inputs scaled to R's diagonal, states to z = D⁻¹ x.
+  // Scale the inputs by the diagonal of R, and the states to z = D⁻¹ x.
   const Eigen::VectorXd u =
       p.R.diagonal().unaryExpr([](double r) { return r > 0 ? 1 / std::sqrt(r) : 1.0; });
   const Eigen::MatrixXd A = e.asDiagonal() * p.A * d.asDiagonal();
@@ -105,7 +105,8 @@ Subspace of_pencil(const RiccatiEquation& p, const Eigen::VectorXd& d) {
   return found;
 }
 
-/// The finite eigenvalue nearest to the boundary, its distance relative to the largest pole or 1.
+/// Finds the finite eigenvalue nearest to the boundary. Its distance is relative to the largest
+/// pole, or to 1.
 void find_nearest(Time time, const Eigen::VectorXcd& eigenvalues, SchurOutcome& outcome) {
   double largest = 1e-300;
   for (const std::complex<double>& value : eigenvalues)

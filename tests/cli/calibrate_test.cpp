@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune calibrate imu and quadtune allan: what they read, tell, write and refuse.
+/// quadtune calibrate imu and quadtune allan: input, output, files and errors.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 #include "log_files/ulog_writer.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "run_program.hpp"
 #include "shared_data.hpp"
 #include "temporary_directory.hpp"
@@ -59,7 +59,7 @@ Eigen::Matrix3d matrix(const SortedJson& json) {
   return M;
 }
 
-/// A file as standard input while it lives.
+/// Redirects standard input from a file during its lifetime.
 class StandardInput {
  public:
   explicit StandardInput(const std::string& path) : before_(::dup(STDIN_FILENO)) {
@@ -80,7 +80,7 @@ class StandardInput {
 
 TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   const TemporaryDirectory folder;
-  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const SimulatedImu made = simulate_imu({.seed = 3, .warming = 8});
   const std::string log = folder.write("log.csv", csv(made.log)).string();
   const std::string file = (folder.path() / "imu_calib.txt").string();
   const SortedJson json = json_of({"calibrate", "imu", "--log", log, "-o", file});
@@ -104,10 +104,10 @@ TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   EXPECT_NEAR(read.gyroscope_t0, 25, 0.5);
 }
 
-// The magnetometer in a file of its own, at half the rate and with times of its own.
+// The magnetometer in a separate file, at half the rate and with its own times.
 TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
   const TemporaryDirectory folder;
-  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const SimulatedImu made = simulate_imu({.seed = 3, .warming = 8});
   const std::string imu = folder.write("imu.csv", csv(made.log, false)).string();
   std::string text = "t[s],mx,my,mz\n";
   for (Eigen::Index i = 0; i + 1 < made.log.t.size(); i += 2)
@@ -129,7 +129,7 @@ TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
 // Columns by number, a rate for the times, no header, the log on standard input.
 TEST(CalibrateVerb, TakesColumnsByNumber) {
   const TemporaryDirectory folder;
-  const std::string text = csv(make_up_imu({.seed = 3}).log);
+  const std::string text = csv(simulate_imu({.seed = 3}).log);
   std::string rows = text.substr(text.find('\n') + 1);
   std::replace(rows.begin(), rows.end(), ',', '\t');
   const StandardInput input(folder.write("rows.txt", rows).string());
@@ -137,15 +137,16 @@ TEST(CalibrateVerb, TakesColumnsByNumber) {
       run_program({"calibrate", "imu", "--log", "-", "--rate", "100", "--accelerometer", "2,3,4",
                    "--gyroscope", "5,6,7", "--magnetometer", "none"});
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("standard input: 16350 samples over 163.5 s, 36 still poses"));
+  EXPECT_THAT(result.out,
+              HasSubstr("standard input: 16350 samples over 163.5 s, 36 stationary poses"));
   EXPECT_THAT(result.out, HasSubstr("rms of 35 turns"));
   EXPECT_THAT(result.out, Not(HasSubstr("magnetometer")));
 }
 
-// Raw frames have times, names and a temperature of their own.
+// Raw frames contain times, names and a temperature.
 TEST(CalibrateVerb, TakesRawFrames) {
   const TemporaryDirectory folder;
-  const ImuLog log = make_up_imu({.seed = 3}).log;
+  const ImuLog log = simulate_imu({.seed = 3}).log;
   std::string text;
   for (Eigen::Index i = 0; i < log.t.size(); ++i) {
     text += "A 10000";
@@ -167,11 +168,11 @@ TEST(CalibrateVerb, TakesRawFrames) {
               MatrixRelativelyNear(matrix(table["magnetometer"]["M"]), 1e-6));
 }
 
-// A sensor that the log does not have keeps the numbers of --base; without it nothing is written.
+// A sensor that is not in the log keeps the numbers of --base; without it nothing is written.
 TEST(CalibrateVerb, KeepsWhatTheLogDoesNotTell) {
   const TemporaryDirectory folder;
   const std::string log =
-      folder.write("log.csv", csv(make_up_imu({.seed = 5}).log, false)).string();
+      folder.write("log.csv", csv(simulate_imu({.seed = 5}).log, false)).string();
   const std::string file = (folder.path() / "new.txt").string();
   const ProgramResult refused = run_program({"calibrate", "imu", "--log", log, "-o", file});
   EXPECT_EQ(refused.status, 2);
@@ -190,11 +191,13 @@ TEST(CalibrateVerb, KeepsWhatTheLogDoesNotTell) {
 
 TEST(CalibrateVerb, RefusesPosesThatDoNotTell) {
   const TemporaryDirectory folder;
-  const std::string log = folder.write("log.csv", csv(make_up_imu({.upright = true}).log)).string();
+  const std::string log =
+      folder.write("log.csv", csv(simulate_imu({.upright = true}).log)).string();
   const std::string file = (folder.path() / "new.txt").string();
   const ProgramResult result = run_program({"calibrate", "imu", "--log", log, "-o", file});
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, HasSubstr("accelerometer not observable: 36 poses do not tell scale"));
+  EXPECT_THAT(result.err,
+              HasSubstr("accelerometer not observable: 36 poses do not determine scale"));
   EXPECT_THAT(result.err, HasSubstr("missing poses: "));
   EXPECT_THAT(result.err, HasSubstr("y down"));
   EXPECT_FALSE(std::filesystem::exists(file));
@@ -214,8 +217,8 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", "/nowhere/x"}, 5), HasSubstr("/nowhere/x"));
   const std::string log = folder.write("l.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,3\n2,1,2,x\n").string();
   const std::string words = refusal({"calibrate", "imu", "--log", log}, 3);
-  EXPECT_THAT(words, HasSubstr("warning: 1 of 3 samples of 'ax' in " + log + " lack one of"));
-  EXPECT_THAT(words, HasSubstr("has 2 samples, expected at least"));
+  EXPECT_THAT(words, HasSubstr("warning: 1 of 3 samples of 'ax' in " + log + " have no sample of"));
+  EXPECT_THAT(words, HasSubstr("has 2 samples; expected at least"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,7"}, 3),
               HasSubstr("has no channel '7', expected one of ax ay az"));
   const std::string slow = folder
@@ -224,8 +227,8 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
                                       "3,1,2,3,4,5,6\n4,1,2,3,,,\n")
                                .string();
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", slow}, 3),
-              HasSubstr("only 2 of 5 samples of 'ax' have one of all others at the same time ('gx' "
-                        "has 2 samples), expected sensors of one table"));
+              HasSubstr("only 2 of 5 samples of 'ax' coincide with samples of all other channels "
+                        "('gx' has 2 samples), expected sensors with common sample times"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay"}, 2),
               HasSubstr("--accelerometer lists 2 columns, expected 3"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,azz"}, 3),
@@ -235,11 +238,11 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", back}, 3),
               HasSubstr("the time of 'ax' does not increase: sample 3 is at 1 s"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", back, "--rate", "100"}, 3),
-              HasSubstr("has 3 samples, expected at least 250, ten windows of 0.25 s"));
+              HasSubstr("has 3 samples; expected at least 250, ten windows of 0.25 s"));
 }
 
 std::string record(int samples, const std::string& header = "") {
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string text = header;
   for (int i = 0; i < samples; ++i) text += fmt::format("{},{}\n", i * 10000000LL, made.rate(i));
   return text;
@@ -291,10 +294,10 @@ TEST(AllanVerb, ReadsNamedColumns) {
   }
 }
 
-// An angle that is kept within a turn has the noises of the one that is not.
+// A wrapped angle has the same noise as the unwrapped one.
 TEST(AllanVerb, UnwrapsAPhase) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string free = "t[s],angle[rad]\n", within = "t[s],angle[rad]\n",
               degrees = "t[s],angle[deg]\n";
   double angle = 0;
@@ -321,10 +324,10 @@ TEST(AllanVerb, UnwrapsAPhase) {
   }
 }
 
-// A clock's error, an angle: the deviation of the rate that it is the integral of.
+// The error of a clock, an angle: the deviation is that of the rate of which it is the integral.
 TEST(AllanVerb, TakesAPhase) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string rates = "t[s],w[rad/s]\n", angles = "t[s],angle[rad]\n";
   double angle = 0.5;
   for (int i = 0; i < 3000; ++i) {
@@ -353,10 +356,10 @@ TEST(AllanVerb, TakesAPhase) {
   EXPECT_EQ(run_program({"allan", "--simulate", "--phase"}).status, 2);
 }
 
-// The reader's warnings are no less for who uses the log.
+// The warnings of the reader are also printed by commands that use the log.
 TEST(AllanVerb, SaysWhatTheReaderWarnsOf) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string text = "timestamp,w[rad/s]\n0,7\n";
   for (std::int64_t i = 0; i < 1000; ++i)
     text += fmt::format("{},{}\n", 1403636579758555392 + i * 5000000, made.rate(i));
@@ -383,7 +386,7 @@ TEST(AllanVerb, SaysWhatTheRecordIsTooShortFor) {
   const ProgramResult result =
       run_program({"allan", "--log", log, "--column", "2", "--rate", "100", "--unit", "rad/s"});
   EXPECT_EQ(result.status, 0);
-  EXPECT_THAT(result.out, HasSubstr("not seen in this record: too short: no slope of +1/2 up to "
+  EXPECT_THAT(result.out, HasSubstr("not visible in this log: too short: no slope of +1/2 up to "
                                     "2.56 s"));
   EXPECT_THAT(result.out, HasSubstr("at most "));
 }
@@ -395,13 +398,12 @@ TEST(AllanVerb, RefusesGaps) {
   const std::string log = folder.write("l.csv", text).string();
   const ProgramResult gap = run_program({"allan", "--log", log, "--column", "w", "--time", "t"});
   EXPECT_EQ(gap.status, 3);
-  EXPECT_THAT(gap.err,
-              HasSubstr("'w' has a gap: sample 151, at 151 s, comes 2 s after the one before, "
-                        "expected 1 s (the median)"));
+  EXPECT_THAT(gap.err, HasSubstr("'w' has a gap: sample 151, at 151 s, is 2 s after the previous "
+                                 "one, expected 1 s (the median)"));
   const std::string holes = folder.write("h.csv", "w\n1\n2\nnan\n4\n5\n6\n").string();
   const ProgramResult hole = run_program({"allan", "--log", holes, "--column", "w", "--rate", "1"});
   EXPECT_EQ(hole.status, 3);
-  EXPECT_THAT(hole.err, HasSubstr(holes + ": 'w' has a gap: sample 3, at 3 s, comes 2 s after"));
+  EXPECT_THAT(hole.err, HasSubstr(holes + ": 'w' has a gap: sample 3, at 3 s, is 2 s after"));
   const std::string torn = folder.write("t.csv", "a b\n1 2\n1 2\n1\n1 2\n1 2\n1 2\n").string();
   const ProgramResult broken =
       run_program({"allan", "--log", torn, "--column", "b", "--rate", "1"});
@@ -412,7 +414,7 @@ TEST(AllanVerb, RefusesGaps) {
 // A channel of a log that no text holds, with the times and gaps of the log itself.
 TEST(AllanVerb, ReadsOtherLogs) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   testing::UlogWriter log;
   log.flags().format("imu:uint64_t timestamp;double w;");
   log.subscribe(0, 0, "imu");
@@ -431,14 +433,14 @@ TEST(AllanVerb, ReadsOtherLogs) {
   const ProgramResult paced =
       run_program({"allan", "--log", file, "--column", "w", "--rate", "100"});
   EXPECT_EQ(paced.status, 3);
-  EXPECT_THAT(paced.err, HasSubstr("is read as ulog, which tells its columns and times itself"));
+  EXPECT_THAT(paced.err, HasSubstr("is read as ulog, which defines its own columns and times"));
 }
 
-// Every second row has a value: a sensor of half the rate.
+// Every second row has a value: a sensor at half the rate.
 TEST(AllanVerb, TakesTheRowsThatHoldAValue) {
   const TemporaryDirectory folder;
   std::string text = "Zeit[ms],w[rad/s]\n";
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("{},{}\n{},\n", 20 * i, made.rate(i), 20 * i + 10);
   const SortedJson json = json_of(
@@ -459,18 +461,18 @@ TEST(AllanVerb, RefusesBadCommandLines) {
   EXPECT_THAT(refusal({}), HasSubstr("--log is missing"));
   EXPECT_THAT(refusal({"--log", log}), HasSubstr("--column is missing"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx"}),
-              HasSubstr("no sample rate came, expected one of --rate HZ and --time COLUMN"));
+              HasSubstr("no sample rate; expected --rate HZ or --time COLUMN"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wz", "--rate", "1"}, 3),
               HasSubstr(log + ": has no channel 'wz', expected one of wx wy"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--rate", "1"}),
-              HasSubstr("--rate and --time both came"));
+              HasSubstr("--rate and --time cannot be combined"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--time-unit", "h"}),
-              HasSubstr("the unit of time is 'h', expected --time-unit s, ms, us or ns"));
+              HasSubstr("--time-unit is 'h', expected s, ms, us or ns"));
   EXPECT_THAT(refusal({"--simulate", "--taus", "octave"}), HasSubstr("did you mean 'octaves'?"));
   EXPECT_THAT(refusal({"--simulate", "--log", log}), HasSubstr("expected it alone"));
   EXPECT_THAT(refusal({"--simulate", "--plot", "a.pdf"}), HasSubstr(".svg or .png"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--rate", "-3"}),
-              HasSubstr("expected a number of more than 0"));
+              HasSubstr("expected a number greater than 0"));
 }
 
 TEST(AllanVerb, DrawsTheCurve) {
@@ -493,7 +495,8 @@ TEST(AllanVerb, OfRealLogs) {
       run_program({"allan", "--log", (data / "euroc" / "V1_01_easy_imu0.csv").string(), "--column",
                    "w_RS_S_x", "--time", "timestamp"});
   EXPECT_EQ(moving.status, 0);
-  EXPECT_THAT(moving.out, HasSubstr("the curve is not the sum of these noises: the sensor moved"));
+  EXPECT_THAT(moving.out,
+              HasSubstr("the curve is not the sum of these noise components: the sensor moved"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune pid V and discretize V --compare: what a vehicle's loops are told.
+/// quadtune pid V and discretize V --compare: the reports of a vehicle's loops.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(PidOfAVehicle, JsonIsTheLawThatFlies) {
   EXPECT_EQ(flown["integrator_limit"], 2);
 }
 
-// What flights in other tests and benchmarks call designed is what the rules design loop by loop.
+// The designed gains of flights in other tests and benchmarks are those of the loop-by-loop rules.
 TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
   const Json json = cascade_json({"pid", "mambo", "--method", "loops"});
   for (const testing::DesignedLoop& flown : testing::kDesignedMambo)
@@ -83,14 +83,14 @@ TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {
   }
   const ProgramResult text = run_program({"pid", "mambo", "--method", "loops"});
   EXPECT_EQ(text.status, 0);
-  EXPECT_THAT(text.out, HasSubstr("no figure is worse"));
+  EXPECT_THAT(text.out, HasSubstr("no regressions"));
   EXPECT_THAT(text.out, HasSubstr("closed      stable"));
 }
 
 TEST(PidOfAVehicle, TellsWhatItIsNotBetterAt) {
   const ProgramResult result = run_program({"pid", "mambo", "--free"});
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("WORSE: roll in Ms - 1"));
+  EXPECT_THAT(result.out, HasSubstr("regressions: roll (Ms - 1)"));
 }
 
 TEST(PidOfAVehicle, TakesTheVehiclesMotorLag) {
@@ -100,8 +100,8 @@ TEST(PidOfAVehicle, TakesTheVehiclesMotorLag) {
   EXPECT_EQ(cascade_json({"pid", "crazyflie", "--motor-lag", "0"})["motor_lag_s"], 0);
 }
 
-/// The flown loop is told whatever the gains were designed for; on the textbook plant rotors do not
-/// lag, and `margins` of the same gains agrees.
+/// The flown loop is reported whatever plant the gains were designed for; on the ideal plant rotors
+/// have no lag, and `margins` of the same gains agrees.
 TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
   const Json ideal = cascade_json({"pid", "crazyflie", "--plant", "ideal"});
   EXPECT_EQ(ideal["plant"], "ideal");
@@ -127,7 +127,7 @@ TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
   EXPECT_TRUE(cascade_json({"pid", "crazyflie"})["flown_loop"]["stable"]);
   const ProgramResult both = run_program({"pid", "mambo", "--method", "flown", "--plant", "ideal"});
   EXPECT_EQ(both.status, 2);
-  EXPECT_THAT(both.err, HasSubstr("--method flown came with --plant ideal"));
+  EXPECT_THAT(both.err, HasSubstr("--method flown does not support --plant ideal"));
   const auto refused = [](std::vector<std::string> args, const char* message) {
     args.insert(args.begin(), {"pid", "mambo", "--plant", "ideal"});
     const ProgramResult result = run_program(args);
@@ -135,7 +135,7 @@ TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
     EXPECT_THAT(result.err, HasSubstr(message));
   };
   refused({"--method", "loop"}, "--method is 'loop', expected flown or loops");
-  refused({"--motor-lag", "0.05"}, "--motor-lag came with --plant ideal, expected none");
+  refused({"--motor-lag", "0.05"}, "--motor-lag does not apply to --plant ideal");
 }
 
 TEST(PidOfAVehicle, MeetsABandwidth) {
@@ -158,7 +158,7 @@ TEST(PidOfAVehicle, SaysTheHighestBandwidthThatCanBeHad) {
   EXPECT_THAT(result.err, HasSubstr("roll: crossover out of reach"));
   EXPECT_THAT(result.err, HasSubstr("expected less than 115.9"));
   EXPECT_TRUE(result.out.empty());
-  // And with that it can.
+  // With this bandwidth it succeeds.
   EXPECT_EQ(run_program({"pid", "mambo", "--bandwidth", "roll=114"}).status, 0);
 }
 
@@ -177,7 +177,7 @@ TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
           .string();
   const ProgramResult held = run_program({"design", good});
   EXPECT_EQ(held.status, 0) << held.err;
-  // Its loops of x and y are as weakly damped as the thesis has them.
+  // Its loops of x and y are as weakly damped as in the thesis.
   EXPECT_THAT(held.out, HasSubstr("cascade: loop y: phase margin 8."));
   EXPECT_THAT(held.out, HasSubstr("pass with warnings"));
   const ProgramResult lost = run_program({"design", wrong_sign});
@@ -187,7 +187,7 @@ TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
   EXPECT_THAT(lost.out, HasSubstr("verdict     fail"));
 }
 
-// Without a mission nobody flies it: its flown loop alone has to keep it from being written.
+// Without a mission it is not flown: the flown loop alone must prevent the export.
 TEST(DesignOfStateFeedback, IsRefusedWhereItsFlownLoopIsUnstable) {
   const testing::TemporaryDirectory folder;
   const auto design = [&](const std::string& R) {
@@ -213,14 +213,14 @@ TEST(DesignOfStateFeedback, IsRefusedWhereItsFlownLoopIsUnstable) {
   EXPECT_EQ(run_program({"design", design("[810, 3e4, 3e4, 1e7]"), "-o", out, "--force"}).status,
             1);
   EXPECT_TRUE(std::filesystem::exists(out + "/gains.json"));
-  // Stable, by a hair that the ideal plant does not show.
+  // Barely stable, which the ideal plant does not show.
   const ProgramResult weak = run_program({"design", design("[810, 1.3e5, 1.3e5, 1e7]")});
   EXPECT_EQ(weak.status, 0) << weak.err;
   EXPECT_THAT(weak.out, HasSubstr("flown loop: loop tau_x: phase margin 0."));
   EXPECT_THAT(weak.out, HasSubstr("verdict     pass with warnings"));
 }
 
-// Unasked, a law does not get states that no sensor can tell it.
+// By default, a law is not given states that no sensor can measure.
 TEST(Sensors, ThatFeedNoEstimatorAreRefused) {
   const testing::TemporaryDirectory folder;
   std::ostringstream whole;
@@ -233,12 +233,14 @@ TEST(Sensors, ThatFeedNoEstimatorAreRefused) {
   for (const char* verb : {"fly", "lqr"}) {
     const ProgramResult refused = run_program({verb, blind});
     EXPECT_EQ(refused.status, 3) << verb;
-    EXPECT_THAT(refused.err, HasSubstr(blind + ": the sensors feed no estimator: no optical flow"));
+    EXPECT_THAT(
+        refused.err,
+        HasSubstr(blind + ": the sensors do not suffice for any estimator: no optical flow"));
   }
   EXPECT_EQ(run_program({"fly", blind, "--estimator", "truth", "--duration", "5"}).status, 1);
   const ProgramResult designed = run_program({"pid", blind});
   EXPECT_EQ(designed.status, 0) << designed.err;
-  EXPECT_THAT(designed.err, HasSubstr("the gains are for true states"));
+  EXPECT_THAT(designed.err, HasSubstr("the gains are designed for true states"));
 }
 
 TEST(Comparison, HasEveryMethodAtThreePeriods) {
@@ -252,7 +254,8 @@ TEST(Comparison, HasEveryMethodAtThreePeriods) {
       EXPECT_LT(double(row["step_error"]), 1e-9);
     }
   }
-  // The run laws on the flown plant, with the estimator: the Mambo keeps 30 degrees with each.
+  // The laws on the flown plant, with the estimator: the Mambo has a phase margin of 30 degrees
+  // with each.
   ASSERT_EQ(json["flown"].size(), 12U);
   for (const Json& row : json["flown"]) {
     EXPECT_TRUE(row["stable"]) << row.dump();
@@ -266,7 +269,7 @@ TEST(Comparison, HasEveryMethodAtThreePeriods) {
   for (auto& [law, methods] : poles) {
     for (auto& [name, errors] : methods) EXPECT_EQ(errors.size(), 3U) << law << " " << name;
     EXPECT_LT(methods["matched"][1], 1e-8);
-    // A step to twice the period: the error of a first-order method doubles, Tustin's is fourfold.
+    // Twice the period doubles the error of a first-order method and quadruples that of Tustin's.
     EXPECT_NEAR(methods["euler"][1] / methods["euler"][0], 2, 0.2);
     EXPECT_NEAR(methods["tustin"][1] / methods["tustin"][0], 4, 0.1);
   }

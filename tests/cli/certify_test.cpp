@@ -22,7 +22,7 @@ const std::string kSource = testing::source_folder();
 
 class CertifyTest : public ::testing::Test {
  protected:
-  /// The export of a design, made once for all tests.
+  /// The export of a design, written once for all tests.
   static const std::string& exported(const std::string& design) {
     static const TemporaryDirectory folder;
     static std::map<std::string, std::string> made;
@@ -59,7 +59,7 @@ TEST_F(CertifyTest, ProvesTheUquadInItsDefaultBox) {
   ASSERT_EQ(report["laws"].size(), 1);
   const nlohmann::json& law = report["laws"][0];
   EXPECT_EQ(law["name"], "state feedback");
-  EXPECT_EQ(law["parts"].size(), 4);  // x, y, z and yaw know of one another by rounding alone
+  EXPECT_EQ(law["parts"].size(), 4);  // x, y, z and yaw are decoupled up to rounding
   EXPECT_GT(law["proof"]["gap"], 0);
   EXPECT_LT(law["proof"]["coupling"], law["proof"]["gap"]);
   EXPECT_TRUE(law["proof"]["where"].is_null());
@@ -68,7 +68,8 @@ TEST_F(CertifyTest, ProvesTheUquadInItsDefaultBox) {
   EXPECT_GE(law["scale"]["proved"], 1);
   EXPECT_EQ(law["box"]["delay"]["high"], 0.01);
   EXPECT_EQ(law["box"]["lag"]["high"], 0);
-  // Nominal, corners of mass, inertia, thrust and delay, and the worst that the search found.
+  // The nominal vehicle, the corners of mass, inertia, thrust and delay, and the worst one that the
+  // search found.
   EXPECT_GE(law["flown"]["vehicles"], 17);
   EXPECT_EQ(law["flown"]["estimator"], "uquad");
   EXPECT_TRUE(law["flown"]["stable"]);
@@ -96,7 +97,7 @@ TEST_F(CertifyTest, SaysWhatItCannotProveAndWhere) {
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.out, HasSubstr("not proved"));
   EXPECT_THAT(result.out, HasSubstr("verdict     not proved"));
-  EXPECT_THAT(result.err, HasSubstr("2 boxes were looked at; the worst found has |z| 0.99968"));
+  EXPECT_THAT(result.err, HasSubstr("2 boxes were examined; the worst found has |z| 0.99968"));
 }
 
 TEST_F(CertifyTest, TakesBothLawsOfAMamboExport) {
@@ -110,8 +111,8 @@ TEST_F(CertifyTest, TakesBothLawsOfAMamboExport) {
   }
 }
 
-// Poles of past commands and of the reaction of the rotors nearly coincide. A search that stops at
-// a first guess of the coordinates looks at 20,000 boxes in vain.
+// The poles of past commands and of the rotor reaction nearly coincide. A search that stops at its
+// first choice of coordinates examines 20,000 boxes in vain.
 TEST_F(CertifyTest, ProvesALawWithMemory) {
   if (kSanitized) GTEST_SKIP() << "takes minutes under sanitizers";
   const TemporaryDirectory folder;
@@ -129,7 +130,7 @@ TEST_F(CertifyTest, ProvesALawWithMemory) {
   EXPECT_GT(report["laws"][0]["scale"]["proved"], 1);
 }
 
-// A cascade may be asked for alone.
+// Only the cascade can be requested.
 TEST_F(CertifyTest, TakesTheCascadeOfAMamboExport) {
   const nlohmann::json one =
       certified({exported("mambo-hover"), "--controller", "cascaded-pid", "--mass", "1:1",
@@ -137,12 +138,12 @@ TEST_F(CertifyTest, TakesTheCascadeOfAMamboExport) {
                 0);
   ASSERT_EQ(one["laws"].size(), 1);
   EXPECT_EQ(one["laws"][0]["name"], "cascade");
-  // A box of one loop: no bracket but what the search's limits are.
+  // A box of a single loop: the bracket consists of the limits of the search.
   EXPECT_EQ(one["laws"][0]["proof"]["proved_boxes"], one["laws"][0]["proof"]["boxes"]);
 }
 
-// The vehicle's own lag acts although nobody asked for one, so the box has it. The export is of
-// what `pid` wrote as JSON.
+// The motor lag of the vehicle applies although it was not requested, so the box contains it. The
+// export is made from the JSON output of `pid`.
 TEST_F(CertifyTest, ListsTheLagThatItUsed) {
   const TemporaryDirectory folder;
   const std::string gains = (folder.path() / "pid.json").string();
@@ -222,7 +223,7 @@ TEST_F(CertifyTest, RefusesWhatDoesNotVerify) {
   EXPECT_THAT(refused({(folder.path() / "out").string()}, 1),
               HasSubstr("does not verify: K_prop_full.txt matches the manifest"));
   EXPECT_THAT(refused({exported("uquad-hover"), "--controller", "cascaded-pid"}, 3),
-              HasSubstr("the export has no cascaded-pid, expected a law"));
+              HasSubstr("the export has no cascaded-pid"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The discretize command: every way in, every key out.
+/// The discretize command: all kinds of input, all keys of the output.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -115,7 +115,7 @@ TEST(DiscretizeCommand, DelaysBecomeStatesWithNames) {
 TEST(DiscretizeCommand, WarnsOfFastPolesUnlessQuiet) {
   std::vector<std::string> args = {"discretize", "--num", "1", "--den", "1,120", "--dt", "0.01"};
   const std::string warning =
-      "the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at most 0.5; take "
+      "the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at most 0.5; use "
       "dt <= 0.00417 s";
   EXPECT_EQ(run_program(args).err, "discretize: warning: " + warning + "\n");
   EXPECT_EQ(run_program(args).status, 0);

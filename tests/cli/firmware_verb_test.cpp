@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of firmware at the command line: designed, exported, verified, read back, refused.
+// Parameters of firmware on the command line: designed, exported, verified, read back, rejected.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
         run_program({"import", name, out + "/" + file, "--vehicle", vehicle(), "--dt", "0.005",
                      "--quiet", "-o", path(std::string(name) + ".json")});
     ASSERT_EQ(imported.status, 0) << imported.err;
-    // The pilot's loops are another design's.
+    // The loops of the autopilot belong to another design.
     if (name == std::string("betaflight")) continue;
     const ProgramResult difference =
         run_program({"diff", out, path(std::string(name) + ".json"), "--json"});
@@ -121,7 +121,7 @@ TEST_F(FirmwareVerb, FlightsAreThoseOfTheFirmwaresLoops) {
   EXPECT_NE(cascade["metrics"], board["metrics"]);
 }
 
-// Parameters in a file of gains are checked as those of a board's file are.
+// Parameters in a file of gains are validated like those of a parameter file.
 TEST_F(FirmwareVerb, ParametersInAFileOfGainsAreChecked) {
   const std::string file = path("edited.json");
   ASSERT_EQ(
@@ -141,10 +141,10 @@ TEST_F(FirmwareVerb, ParametersInAFileOfGainsAreChecked) {
   refused("MC_ROLLRATE_P", -1, "MC_ROLLRATE_P: is -1, expected 0 or more");
   refused("IMU_GYRO_RATEMAX", 0, "IMU_GYRO_RATEMAX: is 0, expected 100 to 2000");
   refused("IMU_GYRO_CUTOFF", 0.5, "IMU_GYRO_CUTOFF: is 0.5 Hz, expected 0 or at least 1");
-  refused("MC_ROLRATE_P", 0.1, "is no parameter of the loops of px4 1.16");
+  refused("MC_ROLRATE_P", 0.1, "is not a parameter of the control loops of px4 1.16");
 }
 
-// The filter on the board has the numbers of the file, too.
+// The filter on the board has the parameters of the file, too.
 TEST_F(FirmwareVerb, FlightsTakeTheFilesEstimator) {
   const std::string file = path("estimator.json");
   ASSERT_EQ(run_program({"import", "crazyflie", "--defaults", "--vehicle", vehicle(), "--quiet",
@@ -172,16 +172,16 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   const std::string gains = path("gains.json"), out = path("none");
   refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 2,
           "px4 has no version '1.2', expected one of 1.17, 1.16, 1.15, 1.14");
-  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2, "expected none");
+  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2, "is not supported");
   refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,
-          "--firmware is for the parameters of a firmware");
+          "--firmware applies to the parameters of a firmware only");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 3, "no firmware 'px5'");
   refused({"import", "px4", "--vehicle", "mambo"}, 2, "a file of its parameters or --defaults");
   refused({"import", "px4", "--defaults", "--vehicle", "mambo", "--dt", "2"}, 2,
           "--dt is 2 s, expected 0.0001 to 1 s");
-  refused({"fly", "mambo", "--controller", "firmware"}, 2, "controller firmware needs gains");
+  refused({"fly", "mambo", "--controller", "firmware"}, 2, "controller firmware requires gains");
   refused({"fly", vehicle(), "--gains", gains, "--controller", "firmware"}, 3,
-          "holds no parameters of an autopilot");
+          "has no parameters of an autopilot");
   refused({"pid", "mambo", "--structure", "pi"}, 2, "no structure 'pi', expected pid");
   EXPECT_FALSE(std::filesystem::exists(out));
 }

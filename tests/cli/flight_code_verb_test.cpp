@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flight code at the command line: exported, verified, flown, and refused.
+// Flight code on the command line: exported, verified, flown and rejected.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-/// The Crazyflie's cascade, and flight code made of it.
+/// The Crazyflie's cascade, and flight code with it.
 class FlightCodeVerb : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -65,7 +65,7 @@ TEST_F(FlightCodeVerb, FliesTheCompiledProgramAsTheLaw) {
   const SortedJson found = SortedJson::parse(flown.out);
   EXPECT_EQ(found["verdict"], "pass");
   EXPECT_THAT(std::string(found["law"]), HasSubstr("compiled flight code"));
-  // In float, and with a filter that begins less certain.
+  // In float, and with a filter that starts with a larger covariance.
   for (const char* metric : {"tracking_rms_m", "yaw_rms_rad"})
     EXPECT_NEAR(found["metrics"][metric], double(expected["metrics"][metric]), 0.02) << metric;
 }
@@ -84,7 +84,7 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
   EXPECT_THAT(verified.out, HasSubstr("C is what the schedule gives"));
   EXPECT_THAT(verified.out, HasSubstr("uquad.toml, schedule.toml as listed"));
   EXPECT_THAT(verified.out, HasSubstr("schedule is that of the table"));
-  // The export of another table, with the first in the manifest's place.
+  // The export of another table, with the manifest of the first one.
   const std::string other = path("of-another/schedule.toml"), swapped = path("swapped");
   std::filesystem::create_directory(path("of-another"));
   ASSERT_EQ(run_program({"lqr", "uquad", "--schedule", "speed=0:1:2, mass=0.9:0.1:1.1", "--R",
@@ -111,19 +111,21 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
     EXPECT_FALSE(std::filesystem::exists(path("none")));
   };
   refused({"--to", "json"}, 3, "is a gain schedule, expected --to c");
-  refused({"--to", "c", "--law", "state-feedback"}, 2, "--law came with a gain schedule");
-  refused({"--to", "c", "--adapter", "px4"}, 2, "--adapter came with a gain schedule");
-  refused({"--to", "c", "--force"}, 2, "--force came with a gain schedule");
+  refused({"--to", "c", "--law", "state-feedback"}, 2,
+          "--law cannot be combined with a gain schedule");
+  refused({"--to", "c", "--adapter", "px4"}, 2,
+          "--adapter cannot be combined with a gain schedule");
+  refused({"--to", "c", "--force"}, 2, "--force cannot be combined with a gain schedule");
   refused({"--to", "c", "--name", "9x"}, 2, "cannot be the prefix of a C program");
   refused({"--to", "c", "--precision", "half"}, 2, "no precision 'half'");
   refused({"--to", "c", "--vehicle", "mambo"}, 3, "for the vehicle 'uquad', expected 'mambo'");
   EXPECT_THAT(run_program({"export", code, "--to", "json", "-o", path("none")}).err,
-              HasSubstr("holds gains of many flights, expected those of one law"));
+              HasSubstr("has gains for many trims; expected those of one law"));
   EXPECT_THAT(run_program({"fly", "uquad", "--gains", code, "--compiled"}).err,
-              HasSubstr("is the program of a gain schedule, expected one that flies"));
+              HasSubstr("is the program of a gain schedule, which does not fly"));
 }
 
-// What belongs to the program is not told by the beginning of its name.
+// The files of the program are not identified by a prefix of their names.
 TEST_F(FlightCodeVerb, NameMayBeginAsThatOfAnotherFile) {
   if (std::system("cc --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "cc is not installed here";
   for (const char* name : {"replay2", "adapter_x"}) {
@@ -152,18 +154,18 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   refused({"export", gains, "--to", "c", "-o", out, "--law", "state-feedback"}, 3,
           "the design has no law 'state-feedback'");
   refused({"export", gains, "--to", "json", "-o", out, "--name", "x"}, 2,
-          "--name is for --to c, expected none with --to json");
+          "--name applies to --to c only, not to --to json");
   EXPECT_FALSE(std::filesystem::exists(out));
-  refused({"fly", "crazyflie", "--compiled"}, 2, "expected --gains DIR");
+  refused({"fly", "crazyflie", "--compiled"}, 2, "requires --gains DIR");
   refused({"fly", "crazyflie", "--gains", gains, "--compiled"}, 2, "has no flight_code.json");
   refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--estimator", "truth"}, 2,
           "estimator is 'truth', expected none or 'general'");
   refused(
       {"fly", "crazyflie", "--gains", path("code"), "--compiled", "--controller", "state-feedback"},
       2, "expected none or 'cascaded-pid'");
-  refused({"fly", "crazyflie", "--gains", path("code"), "--arm"}, 2, "--arm is for --compiled");
+  refused({"fly", "crazyflie", "--gains", path("code"), "--arm"}, 2, "--arm requires --compiled");
   refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--allocation", "clipped"}, 2,
-          "compiled is for commands by priorities");
+          "compiled requires the default --allocation");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune fly, compare, and the flown part of design, as a user runs them.
+/// quadtune fly, compare, and the missions of design, run as by a user.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -46,7 +46,7 @@ Json flown(std::vector<std::string> args) {
   return Json::parse(result.out);
 }
 
-/// What depends on the computer and not on the flight.
+/// Removes what depends on the computer and not on the flight.
 Json without_time(Json flight) {
   flight.erase("wall_s");
   return flight;
@@ -87,7 +87,7 @@ dt_s = 0.005
       .string();
 }
 
-// `discretize crazyflie --compare` says the same: stable to 4 ms, flown at 5 ms.
+// `discretize crazyflie --compare` agrees: stable up to 4 ms, flown at 5 ms.
 TEST(Fly, LosesALawThatDoesNotKnowOfTheMotorsLag) {
   const TemporaryDirectory folder;
   const Json flight =
@@ -222,7 +222,8 @@ TEST(Fly, JudgesSeveralSeeds) {
   EXPECT_THAT(many.err, HasSubstr("--seeds is 1001, expected at most 1000"));
 }
 
-// Satellites of half a metre: the mission's 5 cm cannot be known, and both numbers are told.
+// With a satellite receiver of 0.5 m, the 5 cm of the mission cannot be reached; both numbers are
+// reported.
 TEST(Fly, TellsTheBoundOfTheSensors) {
   const Json flight = flown({"fly", "uquad", "--duration", "30"});
   const Json& bound = flight["sensor_bound"];
@@ -267,7 +268,7 @@ TEST(Fly, SaysThatItTookTypicalSensors) {
   EXPECT_THAT(run_program(ideal).err, Not(HasSubstr("assumed")));
 }
 
-/// In the air, half a metre of height in a ramp, nothing saturated.
+/// In flight, half a metre of height along a ramp, without saturation.
 constexpr char kClimb[] = R"(name = "climb"
 duration_s = 3
 [start]
@@ -283,10 +284,10 @@ height_m = 1.1
 tilt_max_rad = 1
 )";
 
-// Trapezoid and forward Euler differ in the integral by Ki Ts e/2 exactly: what one adds in every
-// sample cancels but for the ends. As the loop has not answered yet, that is all the thrust differs
-// by in the first sample after a step, and within some per cent in the next few; the force counts
-// down, so T has the other sign.
+// The integrals of the trapezoidal rule and of forward Euler differ by exactly Ki Ts e/2: the
+// differences of all samples cancel except at the ends. As the loop has not reacted yet, the thrust
+// differs by this in the first sample after a step, and by within a few per cent of it in the next
+// samples; the force points down, so T has the opposite sign.
 TEST(Compare, IntegratorsDifferByHalfASampleOfTheError) {
   const TemporaryDirectory folder;
   const std::string mission = folder.write("climb.toml", kClimb).string();
@@ -332,7 +333,7 @@ TEST(Fly, SaysWhatDoesNothing) {
               ::testing::Not(HasSubstr("drag")));
 }
 
-// The experiments of the model project, where nothing else is said.
+// The experiments of the model project, unless stated otherwise.
 TEST(Compare, FliesThePublishedGainsWithIdealSensors) {
   for (const char* what : {"integrators", "flow"}) {
     const Json json = flown({"compare", what, "mambo", "--duration", "5"});
@@ -350,7 +351,7 @@ TEST(Compare, FliesThePublishedGainsWithIdealSensors) {
             "mambo-original");
   EXPECT_THAT(
       std::string(flown({"compare", "integrators", "crazyflie", "--duration", "2"})["a"]["law"]),
-      HasSubstr("designed"));  // nothing is published
+      HasSubstr("designed"));  // it has no published gains
 }
 
 TEST(Compare, FilterChangesWhatIsBelievedOnly) {
@@ -372,8 +373,8 @@ TEST(Compare, TheSameGainsDoNotDiffer) {
 TEST(Compare, FlowTellsTheTwoModelsApart) {
   const Json json = flown({"compare", "flow", "mambo", "--mission", "lemniscate-carried",
                            "--sensors", "ideal", "--estimator", "mambo"});
-  // The full field, calibrated, gives the path back to a centimetre; the simplified formula lacks
-  // the division by the height of 0.6 m.
+  // The full flow model, calibrated, recovers the path to a centimetre; the simplified formula
+  // lacks the division by the height of 0.6 m.
   EXPECT_LT(json["b"]["estimate_error_m"]["mean_absolute"], 0.01) << json["b"];
   EXPECT_GT(json["a"]["estimate_error_m"]["mean_absolute"], 0.03) << json["a"];
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune link: frames at the command line, and a stub on the loopback that is sent them.
+/// quadtune link: frames on the command line, and a stub on the loopback interface that receives
+/// them.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ std::vector<std::string> words_of_line(const std::string& line) {
   return words;
 }
 
-/// What is printed for "link ...", which has to be done.
+/// The output of "link ...", which must end with status 0.
 std::string printed(const std::string& line) {
   const ProgramResult result = run_program(words_of_line(line));
   EXPECT_EQ(result.status, 0) << line << "\n" << result.err;
@@ -38,7 +39,7 @@ std::string printed(const std::string& line) {
   return result.out;
 }
 
-/// One line, nothing printed, no file.
+/// Expects a one-line error, no output and no file.
 void refused(const std::string& line, int status, const std::string& message,
              const std::string& where) {
   const TemporaryDirectory folder;
@@ -106,7 +107,7 @@ TEST(Link, RefusesWrongCommandLines) {
           "you mean 'simulink'?",
           "--firmware");
   refused("link encode --firmware native", 2,
-          "quadtune link encode: command: no name of a command, expected for the firmware native: "
+          "quadtune link encode: command: is empty, expected for the firmware native: "
           "takeoff, land, move, turn, flip",
           "command");
   refused("link encode hight -1 --firmware simulink", 2, "did you mean 'height'?", "command");
@@ -120,30 +121,31 @@ TEST(Link, RefusesWrongCommandLines) {
   refused("link encode land now --firmware simulink", 2, "number of values is 1, expected none",
           "land");
   refused("link encode land --firmware simulink --sequence 1", 2,
-          "--sequence is 1, expected none, because frames of the firmware simulink have no number",
+          "--sequence is 1, but frames of the firmware simulink have no sequence number",
           "--sequence");
   refused("link encode land --firmware native --sequence 256", 2,
           "--sequence is 256, expected 0 to 255", "--sequence");
   refused("link encode land --firmware native --sequence -1", 2, "--sequence", "--sequence");
-  refused("link", 2, "a word is missing, expected encode or decode or send", "link");
-  refused("link stop", 2, "'stop' came, expected encode or decode or send", "link");
+  refused("link", 2, "the second word is missing, expected encode or decode or send", "link");
+  refused("link stop", 2, "'stop' is unknown, expected encode or decode or send", "link");
 }
 
 TEST(LinkDecode, RefusesWrongFrames) {
-  refused("link decode --firmware native", 2, "quadtune link decode: no bytes came", "HEX");
+  refused("link decode --firmware native", 2, "quadtune link decode: the bytes are missing", "HEX");
   refused("link decode 02 00 00 --firmware simulink", 3,
-          "frame: 3 bytes came, expected at least 4, because an id of 4 comes first", "frame");
+          "frame: has 3 bytes; expected at least 4, because it starts with an id of 4 bytes",
+          "frame");
   refused("link decode 02 00 00 00 00 --firmware simulink", 3,
-          "frame: 5 bytes came, expected 4, because that is the length of land", "frame");
+          "frame: has 5 bytes; expected 4, the length of land", "frame");
   refused("link decode 04 0b 09 0c 00 00 00 02 00 01 00 --firmware native", 3,
-          "frame: its header says 12 bytes, expected 11", "frame");
+          "frame: the header states a length of 12 bytes; expected 11", "frame");
   refused("link decode 01 00 00 00 65 00 00 00 --firmware simulink", 3,
           "frame: takeoff: power is 101 %, expected 0 to 100 %", "frame: takeoff");
-  refused("link decode xy --firmware native", 3, "frame: 'xy' came, expected bytes as pairs",
-          "frame");
+  refused("link decode xy --firmware native", 3,
+          "frame: 'xy' is not a list of bytes; expected pairs", "frame");
   std::string many = "link decode";
   for (int i = 0; i < 65; ++i) many += " 00";
-  refused(many + " --firmware native", 2, "more words came than it takes", "HEX");
+  refused(many + " --firmware native", 2, "too many arguments", "HEX");
 }
 
 TEST(LinkSend, PrintsWithoutSending) {
@@ -194,7 +196,7 @@ TEST(LinkSend, SendsAgainOverUdp) {
               ::testing::Each(LinkBytes{4, 0x0b, 11, 0x0d, 0, 0, 0, 2, 4, 1, 0, 45, 0}));
 }
 
-// The result is printed all the same: the frames are out.
+// The result is printed nevertheless, because the frames have been sent.
 TEST(LinkSend, AnswersNoWhereNothingComesBack) {
   const StubVehicle stub({.type = SOCK_DGRAM});
   const std::string line =
@@ -211,7 +213,8 @@ TEST(LinkSend, AnswersNoWhereNothingComesBack) {
 }
 
 TEST(LinkSend, NamesWhatCannotBeReached) {
-  const int bound = StubVehicle::bound(SOCK_STREAM, "127.0.0.1");  // and never listens
+  const int bound = StubVehicle::bound(SOCK_STREAM, "127.0.0.1");  // a bound socket that never
+                                                                   // listens
   const std::string address = "127.0.0.1:" + std::to_string(StubVehicle::port_of(bound));
   refused("link send abort --firmware simulink --to " + address, 5,
           address + ": Connection refused", address);

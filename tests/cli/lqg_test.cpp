@@ -34,7 +34,7 @@ TEST(Lqg, IsTheLawOfLqrWithWhatTheSensorsMakeOfIt) {
     EXPECT_GT(rms["state"][state], 0) << state;
     EXPECT_GT(rms["estimate_error"][state], 0) << state;
   }
-  // Optical flow does not see the position, and the height is seen.
+  // Optical flow does not observe the position; the height is observed.
   EXPECT_GT(rms["state"]["px"], 3 * rms["state"]["pz"].get<double>());
   EXPECT_FALSE(lqg["margins_at_estimates"]["loops"].empty());
   for (const SortedJson& loop : lqg["margins_at_estimates"]["loops"]) EXPECT_TRUE(loop["stable"]);
@@ -70,7 +70,7 @@ TEST(Lqg, RecoveryStaysWithinItsBudget) {
   EXPECT_GE(chosen, usual);
 }
 
-/// The filter that was chosen is the one of the file, and the one that flies.
+/// The selected filter is the one in the file, and the one that flies.
 TEST(Lqg, TheFileFliesWithTheRecoveredFilter) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   const TemporaryDirectory folder;
@@ -86,7 +86,7 @@ TEST(Lqg, TheFileFliesWithTheRecoveredFilter) {
     return of["estimator"]["accelerometer"]["density_m_per_s2_per_sqrt_Hz"][0].get<double>();
   };
   EXPECT_NEAR(density(found), factor * density(usual), 1e-12 * density(found));
-  // An export made from the file keeps the filter, and verify judges the loop with it.
+  // An export of the file contains the filter, and verify analyses the loop with it.
   const std::string out = (folder.path() / "out").string();
   ASSERT_EQ(run_program({"export", file, "--to", "json", "-o", out}).status, 0);
   std::ifstream exported(out + "/gains.json");
@@ -107,12 +107,12 @@ TEST(Lqg, RefusesWhatItCannotDo) {
     EXPECT_EQ(result.out, "");
   };
   refused({}, "quadtune lqg: expected a vehicle");
-  // Weights that leave a state unseen are the mistake of --Q, as of lqr.
+  // Weights through which a state is not observable are an error of --Q, as for lqr.
   const ProgramResult unseen = run_program({"lqg", "crazyflie", "--Q", "0", "--json"});
   EXPECT_EQ(unseen.status, 4);
   EXPECT_EQ(SortedJson::parse(unseen.out)["error"]["where"], "--Q");
   refused({"mambo", "--time", "0"}, "--time is 0, expected a positive number of seconds");
-  refused({"mambo", "--noise-budget", "2"}, "--noise-budget came without --recover");
+  refused({"mambo", "--noise-budget", "2"}, "--noise-budget requires --recover");
   refused({"mambo", "--recover", "--noise-budget", "0.5"},
           "noise-budget is 0.5, expected a number of at least 1");
   refused({"mambo", "--recover", "--sensors", "ideal"},

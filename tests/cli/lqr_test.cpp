@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `lqr V`: on the plant that flies, or on the textbook's by name.
+/// `lqr V`: on the flown plant by default, on the ideal plant on request.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST(LqrOfVehicle, IsTheLawThatFliesByDefault) {
   EXPECT_EQ(one["verdict"], "pass");
 }
 
-/// Weights that are given stay: the gains are those of the library for the same problem.
+/// Given weights are not changed: the gains are those of the library for the same problem.
 TEST(LqrOfVehicle, KeepsGivenWeights) {
   const SortedJson found =
       run_json({"lqr", "crazyflie", "--Q", "4,4,4,9,9,9,1,1,1,0.1,0.1,0.1,1,1,1,1", "--R",
@@ -92,7 +92,7 @@ TEST(LqrOfVehicle, KeepsGivenWeights) {
   EXPECT_EQ(found["weights"]["softened"], SortedJson({1, 1, 1, 1}));
 }
 
-/// A heavier weight on changes of the command makes a law that moves its commands less.
+/// A larger weight on changes of the commands gives a law that moves its commands less.
 TEST(LqrOfVehicle, WeightsOnChangesSlowTheCommands) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   const SortedJson without =
@@ -104,7 +104,7 @@ TEST(LqrOfVehicle, WeightsOnChangesSlowTheCommands) {
               without["margins"]["loops"][i]["crossover"]);
 }
 
-/// True states are not an estimator that a file asks for.
+/// A file does not request true states as an estimator.
 TEST(LqrOfVehicle, AFileNamesAnEstimatorOrNone) {
   EXPECT_EQ(run_json({"lqr", "mambo"})["estimator"]["name"], "general");
   EXPECT_TRUE(run_json({"lqr", "mambo", "--estimator", "truth"}).at("estimator").is_null());
@@ -118,7 +118,7 @@ TEST(LqrOfVehicle, IntegratesWhatIsAsked) {
 }
 
 TEST(LqrOfVehicle, TellsOfTheFlownLoopOfTheIdealPlantsGains) {
-  // Weights that make the textbook's loop a fast one: stable there, not with 72 ms of lag.
+  // Weights that give a fast loop on the ideal plant: stable there, unstable with a lag of 72 ms.
   const std::vector<std::string> fast = {
       "lqr",      "crazyflie",      "--plant", "ideal",
       "--inputs", "wrench",         "--Q",     "16,16,16,25,25,8,4,4,4,0.25,0.25,0.25",
@@ -142,7 +142,7 @@ TEST(LqrOfVehicle, TellsOfTheFlownLoopOfTheIdealPlantsGains) {
     EXPECT_TRUE(run_json(args)["flown"].is_null()) << other[0];
     EXPECT_THAT(run_program(args).err, Not(HasSubstr("unstable")));
   }
-  // A period that no flight has leaves the design as it is.
+  // A period that cannot be flown does not change the design.
   const ProgramResult quick =
       run_program({"lqr", "mambo", "--method", "sampled", "--dt", "0.00005"});
   EXPECT_EQ(quick.status, 0);
@@ -171,7 +171,7 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--plant", "flown", "--at", "line"}, "--at belongs to --plant ideal");
   refused({"--plant", "ideal", "--past", "2"}, "--past belongs to the flown plant");
   refused({"--method", "sampled", "--dt", "0.01", "--past", "2"},
-          "--past belongs to the flown plant, expected none with --method");
+          "--past belongs to the flown plant and cannot be combined with --method");
   refused({"--past", "2.5"}, "--past is 2.5, expected a whole number from 0 to 40");
   refused({"--change", "1", "--past", "0"}, "expected --past of at least 1");
   refused({"--height", "-1"}, "--height is -1, expected a positive number of metres");
@@ -182,13 +182,13 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--structure", "matri"}, "--structure is 'matri', expected dynamic or matrix");
   for (const char* option : {"--past", "--change", "--integral"})
     refused({"--structure", "matrix", option, "1"},
-            "came with --structure matrix, expected none because that law integrates px,py,pz,yaw");
+            "cannot be combined with --structure matrix, because that law integrates px,py,pz,yaw");
   refused({"--plant", "ideal", "--structure", "matrix"}, "--structure belongs to the flown plant");
   refused({"--structure", "matrix", "--at", "line"}, "--structure belongs to the flown plant");
 }
 
-/// A matrix alone, exported to each program that can hold one: its signs are those of a published
-/// law, it verifies, and what is read back flies and has the same margins.
+/// A matrix, exported to each program that can store one: its signs are those of a published law,
+/// it is verified, and the gains that are read back fly and have the same margins.
 TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of flights that other tests fly, too";
   const testing::TemporaryDirectory folder;
@@ -237,8 +237,10 @@ TEST(LqrMatrix, TellsWhatItNeeds) {
   const ProgramResult dynamic =
       run_program({"lqr", "mambo", "--structure", "dynamic", "--convention", "mambo"});
   EXPECT_EQ(dynamic.status, 2);
-  EXPECT_THAT(dynamic.err, HasSubstr("--convention came with --structure dynamic, expected "
-                                     "--structure matrix or none"));
+  EXPECT_THAT(
+      dynamic.err,
+      HasSubstr(
+          "--convention cannot be combined with --structure dynamic; expected --structure matrix"));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(MarginsVerb, DelayOfDiscreteLoops) {
   EXPECT_EQ(at_states["loops"][0]["name"], "x1");
 }
 
-// The same loop by lqr, by design, and by margins from what design wrote.
+// The same loop by lqr, by design, and by margins from the files of design.
 TEST(MarginsVerb, OfAVehiclesGains) {
   const TemporaryDirectory folder;
   const std::string out = (folder.path() / "out").string();
@@ -90,9 +90,9 @@ TEST(MarginsVerb, OfAVehiclesGains) {
       EXPECT_NEAR(read["loops"][i][key], expected["loops"][i][key], 1e-6) << key;
     EXPECT_GT(expected["loops"][i]["phase_margin_deg"], 60);
   }
-  // All at once is never better than one at a time.
+  // The margin of all loops at once is never larger than that of a single one.
   EXPECT_LE(expected["multivariable"]["disk_alpha"], expected["loops"][0]["disk_alpha"]);
-  // Fourteen samples later the loop is lost; the delay margin is less than ten.
+  // With fourteen samples of delay the loop is unstable; the delay margin is less than ten.
   const double samples = double(expected["loops"][0]["delay_margin_s"]) / 0.01;
   EXPECT_LT(samples, 10);
   const Json late =
@@ -100,7 +100,7 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   EXPECT_FALSE(late["loops"][0]["stable"]);
   EXPECT_TRUE(
       margins_json({"margins", "uquad", "--gains", out, "--delay", "0.01"})["loops"][0]["stable"]);
-  // The flown loop beside it: more delay, less margin, and the same textbook's.
+  // The flown loop in addition: more delay, smaller margins, and the same ideal loop.
   const Json flown = margins_json({"margins", "uquad", "--gains", out, "--estimator", "uquad"});
   EXPECT_EQ(flown["plant"], "flown");
   EXPECT_EQ(flown["ideal"]["loops"], read["loops"]);
@@ -112,8 +112,8 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   for (const Json& loop : flown["loops"]) EXPECT_TRUE(loop["stable"]);
 }
 
-/// Flow and gyroscope that are not of one instant throw the Mambo's state feedback, the higher the
-/// sooner: its textbook's margins do not know.
+/// Optical flow and gyroscope that are sampled at different instants destabilize the Mambo's state
+/// feedback, the sooner the higher it flies; its ideal margins do not show it.
 TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
   const std::string design = testing::source_folder() + "/designs/mambo-hover.toml";
   const Json aligned = margins_json({"margins", "mambo", "--gains", design});
@@ -167,10 +167,9 @@ TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
   const ProgramResult by_period = run_program(m.arguments({"--dt", "0.01"}));
   EXPECT_EQ(by_period.status, 0);
   EXPECT_THAT(by_period.out, HasSubstr("discrete, every 0.01 s"));
-  EXPECT_THAT(
-      by_period.err,
-      HasSubstr("margins: warning: A and B are taken as discrete because of --dt, but A - B "
-                "K is stable only if they are continuous: --sampled DT"));
+  EXPECT_THAT(by_period.err,
+              HasSubstr("margins: warning: A and B are assumed discrete because of --dt, but A - B "
+                        "K is stable only if they are continuous: --sampled DT"));
   const ProgramResult declared = run_program(m.arguments({"--discrete", "--dt", "0.01"}));
   EXPECT_THAT(declared.err, ::testing::Not(HasSubstr("taken as")));
   EXPECT_THAT(declared.err, HasSubstr("unstable"));
@@ -182,22 +181,22 @@ TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
   EXPECT_EQ(sampled["time"], "discrete");
   EXPECT_EQ(sampled["dt"], 0.01);
   EXPECT_TRUE(sampled["loops"][0]["stable"]);
-  // Half a sample of delay is what holding costs.
+  // The hold is equivalent to half a sample of delay.
   const double cut = double(continuous["loops"][0]["crossover"]);
   EXPECT_NEAR(double(continuous["loops"][0]["phase_margin_deg"]) -
                   double(sampled["loops"][0]["phase_margin_deg"]),
               cut * 0.005 * 180 / M_PI, 0.01);
-  // x[k+1] = x + 0.1 u, closed 0.5: as continuous matrices it grows.
+  // x[k+1] = x + 0.1 u, closed-loop pole 0.5; unstable if read as continuous matrices.
   const Matrices discrete("1\n", "0.1\n", "5\n");
   EXPECT_THAT(run_program(discrete.arguments({})).err,
-              HasSubstr("margins: warning: A and B are taken as continuous, but A - B K is stable "
-                        "only if they are discrete: --discrete --dt T"));
+              HasSubstr("margins: warning: A and B are assumed continuous, but A - B K is stable "
+                        "only if they are discrete: declare this with --discrete --dt T"));
   const ProgramResult noted = run_program(discrete.arguments({"--dt", "0.1"}));
-  EXPECT_THAT(noted.err, HasSubstr("margins: note: A and B are taken as discrete because of --dt"));
+  EXPECT_THAT(noted.err, HasSubstr("margins: note: A and B are assumed discrete because of --dt"));
 }
 
-// Stable as either kind, but no sampled plant has an eigenvalue 0, or a single negative one, unless
-// it has delays, which come with the slow motion near 1.
+// Stable as either kind. But a sampled plant has an eigenvalue 0, or a single negative one, only if
+// it has delays, which occur together with slow modes near 1.
 TEST(MarginsVerb, WarnsOfMatricesThatNoSampledPlantHas) {
   const auto told = [](const std::string& A, const std::string& B, const std::string& K,
                        std::vector<std::string> more = {"--dt", "0.01"}) {
@@ -205,11 +204,10 @@ TEST(MarginsVerb, WarnsOfMatricesThatNoSampledPlantHas) {
     EXPECT_EQ(result.status, 0) << result.err;
     return result.err;
   };
-  EXPECT_THAT(
-      told("0 1\n0 0\n", "0\n1\n", "0.3 0.2\n"),
-      HasSubstr("margins: warning: A and B are taken as discrete because of --dt, but A has "
-                "the eigenvalue 0, which no plant that is sampled without delays has: "
-                "--sampled DT takes them as continuous"));
+  EXPECT_THAT(told("0 1\n0 0\n", "0\n1\n", "0.3 0.2\n"),
+              HasSubstr("margins: warning: A and B are assumed discrete because of --dt, but A has "
+                        "the eigenvalue 0, which is impossible for a plant sampled without delays: "
+                        "--sampled DT declares them continuous"));
   EXPECT_THAT(told("-0.5\n", "1\n", "0.1\n"), HasSubstr("A has the eigenvalue -0.5"));
   EXPECT_THAT(told("0 1\n0 0\n", "0\n1\n", "0.3 0.2\n", {"--discrete", "--dt", "0.01"}),
               ::testing::Not(HasSubstr("eigenvalue")));
@@ -227,8 +225,8 @@ TEST(MarginsVerb, RefusesContradictoryKinds) {
   refused({"--continuous", "--discrete"},
           "more than one of --continuous, --discrete and --sampled");
   refused({"--discrete"}, "--dt is missing, expected the sample period with --discrete");
-  refused({"--continuous", "--dt", "0.1"}, "--dt came with --continuous");
-  refused({"--sampled", "0.1", "--dt", "0.1"}, "--dt came with --sampled");
+  refused({"--continuous", "--dt", "0.1"}, "--dt cannot be combined with --continuous");
+  refused({"--sampled", "0.1", "--dt", "0.1"}, "--dt cannot be combined with --sampled");
   refused({"--sampled", "-1"}, "--sampled is -1");
   const ProgramResult fraction =
       run_program({"margins", "--num", "1", "--den", "1,1", "--discrete"});
@@ -248,8 +246,7 @@ TEST(MarginsVerb, TellsItsConventions) {
   EXPECT_NEAR(double(far["loops"][0]["gain_margin_db"]), 20 * std::log10(8e6), 1e-6);  // 138 dB
 }
 
-// Random plants of many inputs: bounded work, told, and chosen.
-// 1/(s² + 1) closes to poles at ±i√2, where |S| is beyond bounds: 3e15 in a double.
+// 1/(s² + 1) gives closed-loop poles at ±i√2, where |S| is unbounded: 3e15 in a double.
 TEST(MarginsVerb, KeepsItsColumnsWhateverTheNumbers) {
   const ProgramResult result = run_program({"margins", "--num", "1", "--den", "1,0,1"});
   std::istringstream lines(result.out);
@@ -262,6 +259,7 @@ TEST(MarginsVerb, KeepsItsColumnsWhateverTheNumbers) {
   EXPECT_EQ(row.find("  UNSTABLE"), head.size()) << result.out;
 }
 
+// Random plants with many inputs: the work is bounded, reported, and selectable.
 TEST(LqrEvidence, IsBoundedAndChosen) {
   const TemporaryDirectory folder;
   const auto identity = [](int n) {
@@ -290,7 +288,7 @@ TEST(LqrEvidence, IsBoundedAndChosen) {
   const ProgramResult large = run_program(arguments(64, {"--json"}));
   EXPECT_EQ(large.status, 0);
   EXPECT_THAT(large.err,
-              HasSubstr("lqr: note: the margins are left out, since with 64 states and 64 "
+              HasSubstr("lqr: note: the margins are omitted, because with 64 states and 64 "
                         "inputs it would take more than about a second; --evidence full"));
   const Json none = Json::parse(large.out);
   EXPECT_EQ(none["K"].size(), 64U);
@@ -332,8 +330,9 @@ TEST(LqrVerb, TellsThatOtherGainsCostNoMore) {
   const ProgramResult result =
       run_program({"lqr", "--discrete", "--A", "1 1.5; 0.5 0", "--B", "0.5 1.5; 1.5 0", "--Q",
                    "1 -0.5; -0.5 0.25", "--R", "0 0; 0 0"});
-  EXPECT_THAT(result.err, HasSubstr("lqr: warning: R + B'SB is singular to rounding, so that other "
-                                    "gains cost no more than K"));
+  EXPECT_THAT(result.err,
+              HasSubstr("lqr: warning: R + B'SB is singular up to rounding, so that other "
+                        "gains have the same cost as K"));
 }
 
 TEST(LqrVerb, TellsAnIndefiniteCost) {
@@ -348,7 +347,7 @@ TEST(LqrVerb, TellsAnIndefiniteCost) {
   EXPECT_THAT(result.err, HasSubstr("lqr: warning: [Q N; N' R] has eigenvalue -0.1"));
 }
 
-// Rounding R once more may halve or double its small eigenvalue, 5e-15: K is exact, and may change.
+// Rounding R once more may halve or double its small eigenvalue, 5e-15: K is exact and may change.
 TEST(LqrVerb, TellsThatAnEquationIsIllConditioned) {
   const TemporaryDirectory folder;
   const auto file = [&](const std::string& name, const std::string& text) {

@@ -32,7 +32,7 @@ const std::string kDesign = testing::source_folder() + "/designs/uquad-hover.tom
 
 double number(const Json& json) { return json.get<double>(); }
 
-/// Weight by name.
+/// The weight with this name.
 const Json& weight(const Json& json, const std::string& name) {
   for (const Json& row : json["weights"])
     if (row["name"] == name) return row;
@@ -47,14 +47,14 @@ ProgramResult match(const std::string& file, std::vector<std::string> more = {})
 
 class MatchGainsVerb : public ::testing::Test {
  protected:
-  /// gains.json of the uquad's hover, every digit of it, with these options of `lqr`.
+  /// gains.json of the uquad's hover with all digits, computed with these options of `lqr`.
   std::string export_of(const std::string& design) {
     std::string directory = (folder_.path() / "export").string();
     const ProgramResult result = run_program({"design", design, "-o", directory, "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
     return directory;
   }
-  /// The uquad's hover design, its mission left out, exported as JSON.
+  /// The uquad's hover design without its mission, exported as JSON.
   std::string exact_gains() {
     return export_of(
         folder_
@@ -93,7 +93,7 @@ TEST_F(MatchGainsVerb, RecoversTheWeightsOfAnExport) {
   EXPECT_EQ(json["unseen"].size(), 0u);
 }
 
-// The same gain asked for in another convention has the same weights under other names.
+// The same gain, requested in another convention, has the same weights under other names.
 TEST_F(MatchGainsVerb, SpeaksTheConventionThatIsAskedFor) {
   const ProgramResult result = match(
       exact_gains(), {"--method", "discrete", "--R", "0.01", "--convention", "ned", "--json"});
@@ -134,26 +134,26 @@ TEST_F(MatchGainsVerb, TiesMakeWeightsEqual) {
   EXPECT_EQ(number(weight(json, "Q(x)")["value"]), number(weight(json, "Q(y)")["value"]));
   EXPECT_EQ(number(weight(json, "Q(psi)")["value"]), number(weight(json, "Q(theta)")["value"]));
   EXPECT_EQ(number(weight(json, "R(w1)")["value"]), number(weight(json, "R(w4)")["value"]));
-  EXPECT_NEAR(number(weight(json, "R(w1)")["value"]), 1, 1e-12);  // R's mean, as it came
+  EXPECT_NEAR(number(weight(json, "R(w1)")["value"]), 1, 1e-12);  // the geometric mean of R is that
+                                                                  // of the start
   EXPECT_NEAR(number(weight(json, "Q(psi)")["value"]), 1e5, 10);
 }
 
-// One weight of position and roll cannot give the published gain.
+// A common weight of position and roll cannot give the published gain.
 TEST_F(MatchGainsVerb, SaysNoWhereNoWeightsGiveTheGain) {
   const std::string file = (folder_.path() / "matched.toml").string();
   const std::vector<std::string> tied = {"--tie", "x,psi", "-o", file};
   const ProgramResult result = match(kDesign, tied);
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.out, HasSubstr("verdict     not matched"));
-  EXPECT_THAT(
-      result.err,
-      HasSubstr("no diagonal weights so tied were found that give this gain: the nearest leave"));
+  EXPECT_THAT(result.err,
+              HasSubstr("no diagonal weights with these ties give this gain: the best ones leave"));
   EXPECT_FALSE(std::filesystem::exists(file));
   std::vector<std::string> forced = tied;
   forced.emplace_back("--force");
   EXPECT_EQ(match(kDesign, forced).status, 1);
   EXPECT_TRUE(std::filesystem::exists(file));
-  // What leaves a difference matches within a tolerance of more.
+  // A remaining difference is accepted with a larger tolerance.
   EXPECT_EQ(match(kDesign, {"--tie", "x,psi", "--tolerance", "10"}).status, 0);
 }
 
@@ -184,7 +184,7 @@ TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
   EXPECT_GE(shown, 10);
 }
 
-// A wrench moves axes that know nothing of one another: the factor of each is not seen.
+// The axes of a wrench are decoupled, so the factor of each is not observable.
 TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
   const std::string gains =
       export_of(folder_
@@ -239,16 +239,16 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   refused(with({"--states", "x,y,z"}), 3, "the gains have the states 'x y z psi");
   refused(with({"--integral", "x"}), 3, "the gains have the integrals 'x y z theta', expected 'x'");
   refused(with({"--tie", "x,thet"}), 2,
-          "--tie: no weight of 'thet' to tie, expected some of: x y z psi phi theta");
+          "--tie: cannot tie the weight of 'thet': unknown name; expected some of: x y z psi");
   refused(with({"--tie", "x,int_thetta"}), 2, "did you mean 'int_theta'?");
-  refused(with({"--tie", "x"}), 2, "--tie: a tie of 1 weights, expected 2 or more");
-  refused(with({"--tie", "x,y", "--tie", "y,z"}), 2, "--tie: 'y' is tied twice");
-  refused(with({"--tie", "x,w1"}), 2, "--tie: 'x' and 'w1' are tied, expected states or inputs");
+  refused(with({"--tie", "x"}), 2, "--tie: a tie has 1 weights; expected 2 or more");
+  refused(with({"--tie", "x,y", "--tie", "y,z"}), 2, "--tie: 'y' is in more than one tie");
+  refused(with({"--tie", "x,w1"}), 2, "--tie: 'x' and 'w1' are tied; expected only states");
   refused(with({"--tolerance", "0"}), 2, "--tolerance is 0, expected a positive number");
-  refused(with({"--R", "0"}), 2, "--R has a 0, expected more");
+  refused(with({"--R", "0"}), 2, "--R has a 0; expected positive entries");
   refused(with({"--Q", "1,2"}), 2, "quadtune tune lqr: --Q has 2 entries, expected 16");
   refused(with({"--method", "discreet"}), 2, "did you mean 'discrete'?");
-  // A design whose gain is turned round.
+  // A design whose published gain has lost its minus signs.
   std::ifstream stream(kDesign);
   std::string turned(std::istreambuf_iterator<char>(stream), {});
   for (std::size_t at = turned.find("[published]");

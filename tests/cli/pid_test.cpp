@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune pid: known values, evidence, and what cannot be had.
+/// quadtune pid: known values, evidence, and infeasible requirements.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -56,7 +56,7 @@ TEST(PidVerb, BestWithinBounds) {
   const Json json = pid_json({"--num", "1", "--den", "1,3,3,1", "--type", "PI", "--Ms-max", "1.4"});
   EXPECT_NEAR(json["Kp"], 0.633, 1e-2);  // Åström, Panagopoulos, Hägglund 1998
   EXPECT_NEAR(json["Ms"], 1.4, 2e-3);
-  EXPECT_THAT(std::string(json["how"]), HasSubstr("bound by Ms"));
+  EXPECT_THAT(std::string(json["how"]), HasSubstr("active bounds: Ms"));
 }
 
 TEST(PidVerb, WhatCannotBeHad) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// --plot: what is in the pictures, and what happens when there is none. gnuplot is needed: without
-/// it these tests fail.
+/// --plot: the contents of pictures, and errors. These tests fail without gnuplot.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -59,7 +58,7 @@ cli::Series mark_of(const Panel& panel) {
   return *mark;
 }
 
-/// Every element that is opened is closed, in order: enough of XML for what gnuplot writes.
+/// Every element that is opened is closed, in order: enough XML for the output of gnuplot.
 bool is_well_formed(const std::string& xml) {
   std::vector<std::string> open;
   for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1)) {
@@ -78,12 +77,12 @@ bool is_well_formed(const std::string& xml) {
   return open.empty();
 }
 
-/// A matcher would print the whole picture.
+/// Not a matcher, which would print the whole picture.
 bool says(const std::string& picture, const std::string& text) {
   return picture.find(text) != std::string::npos;
 }
 
-/// An environment variable with another value, until the end of the test.
+/// Sets an environment variable until the end of the test.
 class Environment {
  public:
   Environment(const char* name, const std::string& value) : name_(name) {
@@ -142,7 +141,7 @@ std::vector<std::string> texts(const std::string& svg) {
   return found;
 }
 
-// Another gnuplot writes its elements otherwise, but not other words and numbers.
+// Another version of gnuplot writes other elements, but the same words and numbers.
 TEST(Plot, TheOneInTheDocumentsIsWhatTheCommandDraws) {
   const TemporaryDirectory folder;
   ASSERT_EQ(run_program(plotted(kLoop, (folder.path() / "margins.svg").string())).status, 0);
@@ -184,7 +183,7 @@ TEST(Plot, OfACascadeShowsTheLoopsAtTheWrench) {
   EXPECT_TRUE(says(svg, "tau_x"));
 }
 
-// Loops at the edge of what there is: all of them can be drawn, and without a complaint.
+// Extreme loops: all of them can be drawn without a complaint of gnuplot.
 TEST(Plot, DrawsExtremes) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "loop.svg").string();
@@ -236,7 +235,7 @@ TEST(Plot, LeavesOutWhatIsNotFinite) {
   EXPECT_FALSE(cli::run_gnuplot(script, "test.svg").empty());
 }
 
-// Every panel names its axes with their units, and the legend lies outside the axes.
+// Every panel labels its axes with units, and the legend is outside the axes.
 TEST(Plot, ScriptHasOneLegendAPanelOutsideOfIt) {
   const OpenLoop loop = example_loop();
   const std::string script = cli::gnuplot_script(
@@ -260,7 +259,7 @@ TEST(Plot, APanelWithoutDataHasItsAxes) {
   EXPECT_TRUE(says(svg, "time [s]"));
 }
 
-// --- what goes wrong -----------------------------------------------------------------------------
+// --- errors --------------------------------------------------------------------------------------
 
 TEST(Plot, WithoutGnuplotNamesThePackage) {
   const TemporaryDirectory nothing;
@@ -270,9 +269,10 @@ TEST(Plot, WithoutGnuplotNamesThePackage) {
   const ProgramResult result = run_program(plotted(kLoop, file));
   EXPECT_EQ(result.status, 5);
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(result.err, file +
-                            ": not drawn: gnuplot is not installed, expected Debian's package "
-                            "gnuplot-nox or another one\n");
+  EXPECT_EQ(
+      result.err,
+      file +
+          ": not drawn: gnuplot is not installed; install it, e.g. Debian's package gnuplot-nox\n");
   EXPECT_TRUE(is_empty(folder));
 }
 
@@ -290,7 +290,7 @@ TEST(Plot, GivesTheReasonOfGnuplot) {
   EXPECT_TRUE(is_empty(folder));
 }
 
-// It does not read what it is given, which is more than fits between the two processes.
+// It does not read its input, which exceeds the buffer between the two processes.
 TEST(Plot, OutlivesAGnuplotThatEnds) {
   const TemporaryDirectory bin;
   const Environment path("PATH", with_gnuplot(bin, "exit 0"));
@@ -315,7 +315,7 @@ TEST(Plot, AnErrorOfGnuplotIsOneLine) {
   }
 }
 
-// --- what the panels are given -------------------------------------------------------------------
+// --- data of the panels --------------------------------------------------------------------------
 
 TEST(LoopPanels, MarkTheMarginsWhereTheyAre) {
   const std::vector<LoopCurves> curves = example_curves();
@@ -357,7 +357,7 @@ TEST(LoopPanels, ForbiddenDiskHasTheEndsOfTheMargin) {
   EXPECT_EQ(cli::forbidden_disk({2, 1, 0, inf, 0}).kind, Kind::half_plane);
 }
 
-// L comes to the edge of the disk, at the frequency of the margin, and never within it.
+// L touches the edge of the disk at the frequency of the margin, and never enters it.
 TEST(LoopPanels, LTouchesTheForbiddenDisk) {
   const auto distance = [](const OpenLoop& loop, double w, const ForbiddenDisk& disk) {
     const double center = (disk.left + disk.right) / 2;
@@ -368,7 +368,7 @@ TEST(LoopPanels, LTouchesTheForbiddenDisk) {
   const ForbiddenDisk disk = cli::forbidden_disk(curves.margins.disk);
   EXPECT_NEAR(distance(inside, curves.margins.disk.w, disk), 0, 1e-6);
   for (const double w : curves.w) EXPECT_GT(distance(inside, w, disk), -1e-9);
-  // L = (s + 1)/(s + 2) may be multiplied by any large number: all but a disk is forbidden.
+  // L = (s + 1)/(s + 2) stays stable with any large gain: everything outside a disk is allowed.
   const OpenLoop outside(ContinuousTransferFunction{Eigen::Vector2d(1, 1), Eigen::Vector2d(1, 2)});
   const LoopMargins margins = loop_margins(outside);
   const ForbiddenDisk all_but = cli::forbidden_disk(margins.disk);

@@ -62,7 +62,7 @@ TEST(Schedule, BytesAreThoseOfAnyNumberOfThreads) {
         one.out);
 }
 
-/// The gain of the point that `quadtune lqr` alone would give.
+/// The gain that `quadtune lqr` computes for the same point.
 void expect_single(const GainSchedule& schedule, const Eigen::VectorXd& at,
                    std::vector<std::string> args) {
   args.insert(args.begin(), {"lqr", "uquad", "--json", "--plant", "ideal", "--integral", "pz"});
@@ -117,7 +117,7 @@ TEST(Schedule, WithoutAnySolutionNamesTheCulprit) {
   EXPECT_THAT(result.out, Not(HasSubstr("format_version")));
 }
 
-/// A schedule of the Mambo that flies, from the heading's three wrenches and the thrust.
+/// A flyable schedule of the Mambo with the wrench as input.
 std::string write_schedule(const TemporaryDirectory& folder, const std::string& name,
                            const std::string& grid) {
   std::string path = (folder.path() / name).string();
@@ -137,7 +137,7 @@ TEST(Schedule, Flies) {
   ASSERT_EQ(result.status, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["verdict"], "pass") << json;
-  // The gains at hover alone, without the trims of the circle, lag behind in yaw by 0.17 rad.
+  // With only the gains at hover and without the trims of the circle, the yaw lags by 0.17 rad.
   EXPECT_LT(json["metrics"]["yaw_max_rad"], 0.02);
   EXPECT_THAT(json["law"].get<std::string>(), HasSubstr("gain schedule of "));
   EXPECT_THAT(json["law"].get<std::string>(), HasSubstr("k.toml, 25 points"));
@@ -151,13 +151,13 @@ TEST(Schedule, IsRefusedWhereOneLawIsAsked) {
     const ProgramResult result = run_program(args);
     EXPECT_EQ(result.status, 3) << args[0] << result.err;
     EXPECT_THAT(result.err,
-                HasSubstr("k.json: holds gains of many flights, expected those of one law; this is "
+                HasSubstr("k.json: has gains for many trims; expected those of one law; this is "
                           "a gain schedule; it is read by: quadtune fly --gains"));
   }
   const ProgramResult cascade =
       run_program({"fly", "mambo", "--gains", path, "--controller", "pid"});
   EXPECT_EQ(cascade.status, 3);
-  EXPECT_THAT(cascade.err, HasSubstr("is a gain schedule of a state feedback and no PID cascade"));
+  EXPECT_THAT(cascade.err, HasSubstr("is a gain schedule of a state feedback, not a PID cascade"));
   const ProgramResult other = run_program({"fly", "uquad", "--gains", path});
   EXPECT_EQ(other.status, 3);
   EXPECT_THAT(other.err, HasSubstr("the gains are for the vehicle 'mambo', expected 'uquad'"));
@@ -170,7 +170,7 @@ TEST(Schedule, WithoutAGainWhereTheFlightBeginsIsRefused) {
   const std::string solved = "status = \"solved\"";
   const std::size_t first = text.find(solved);
   ASSERT_NE(first, std::string::npos);
-  // The first point without its numbers.
+  // The first point without its gains.
   const std::size_t end = text.find("[[point]]", first);
   text.replace(first, end - first, "status = \"no gain\"\nculprit = \"a test\"\n\n");
   (void)folder.write("k.toml", text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune tune pid and tune lqr over missions, as a user runs them.
+/// quadtune tune pid and tune lqr over missions, run as by a user.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/wait.h>
@@ -57,7 +57,7 @@ std::vector<std::string> with(std::vector<std::string> args, const std::vector<s
   return args;
 }
 
-// Few evaluations: what is found may be the start, and then the answer is 1.
+// Few evaluations: the result may be the start, and then the status is 1.
 TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   const TemporaryDirectory directory;
   const std::string file = (directory.path() / "tuned.toml").string();
@@ -69,22 +69,22 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   EXPECT_THAT(text.status, ::testing::AnyOf(0, 1)) << text.err;
   EXPECT_THAT(text.out, AllOf(HasSubstr("published"), HasSubstr("Ms: start"),
                               HasSubstr("flights that end early"), HasSubstr("evaluations in")));
-  // The file is a design of the gains that were told.
+  // The file is a design with the printed gains.
   const ProgramResult json_run = run_program(with(args, {"--json"}));
   const Json json = Json::parse(json_run.out);
   EXPECT_LE(json["cost"]["after"], json["cost"]["before"]);
   EXPECT_LE(json["evaluations"], 60);
   EXPECT_EQ(json["gains"].size(), 6);
-  // No loop has less margin than it started with, but for what 60 evaluations leave.
+  // No loop has a smaller margin than at the start, up to the accuracy of 60 evaluations.
   for (std::size_t i = 0; i < json["margins"]["after"].size(); ++i)
     EXPECT_LE(double(json["margins"]["after"][i]["Ms"]),
               std::max(1.6, 1.01 * double(json["margins"]["before"][i]["Ms"])));
-  // What flies today is beaten in tracking, and in the margins of every loop.
+  // The result is better than the published gains in tracking and in the margins of every loop.
   EXPECT_LT(json["after"]["missions"][0]["mean"]["tracking_rms"],
             json["published"]["missions"][0]["mean"]["tracking_rms"]);
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_LE(json["margins"]["after"][i]["Ms"], json["margins"]["published"][i]["Ms"]);
-  // On the flown plant, too, what flies today is beaten where its loops are worst.
+  // On the flown plant, too, the worst loops are better than those of the published gains.
   for (const char* which : {"before", "after"}) {
     EXPECT_EQ(json["flown"][which]["estimator"], "general");
     EXPECT_TRUE(json["flown"][which]["stable"]);
@@ -93,11 +93,11 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
               json["flown"]["published"]["margins"][1]["Ms"]);
   }
   const bool taken = json["accepted"];
-  // A start that no point betters is kept.
+  // The start is kept if no point is better.
   const bool bettered = json.contains("not_taken") && !json["not_taken"].is_null();
   const double Kp = json[taken || !bettered ? "gains" : "not_taken"][0]["Kp"];
   EXPECT_THAT(directory.read("tuned.toml"), HasSubstr(fmt::format("x = {{ Kp = {}, ", Kp)));
-  EXPECT_EQ(directory.read("tuned.toml").starts_with("# NOT TAKEN. By quadtune"), !taken);
+  EXPECT_EQ(directory.read("tuned.toml").starts_with("# NOT ACCEPTED. By quadtune"), !taken);
   const ProgramResult design =
       run_program({"design", file, "-o", (directory.path() / "out").string()});
   EXPECT_EQ(design.status, 0) << design.err;
@@ -106,7 +106,8 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   EXPECT_EQ(flown.status, 0) << flown.err;
 }
 
-// 0.05 m is less than GPS can know. The start, which `fly` passes, keeps the widened limits here.
+// 0.05 m is below the error bound of GPS. The start, which passes in `fly`, meets the widened
+// limits here.
 TEST(TuneMissions, LimitsAreWidenedToWhatTheSensorsKnow) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes for the uquad's period of 200 samples";
   const ProgramResult run = run_program(
@@ -122,7 +123,7 @@ TEST(TuneMissions, LimitsAreWidenedToWhatTheSensorsKnow) {
   EXPECT_TRUE(distance) << json["widened"].dump();
 }
 
-// How many threads worked, and what was printed, is not in the file.
+// The number of threads and the printed output are not recorded in the file.
 TEST(TuneMissions, ThreadsDoNotChangeAByteOfTheFile) {
   if (testing::kSanitized) GTEST_SKIP() << "a sanitizer learns no more from the second run";
   const TemporaryDirectory directory;
@@ -141,7 +142,7 @@ TEST(TuneMissions, ThreadsDoNotChangeAByteOfTheFile) {
   for (const std::string& text : files) EXPECT_EQ(text, files[0]);
 }
 
-// A design file is known by its name.
+// A design file is recognized by its name.
 TEST(TuneMissions, RefusesANameByWhichADesignIsNotKnown) {
   const ProgramResult result =
       run_program({"tune", "pid", "mambo", "--mission", "hover", "-o", "tuned.txt"});
@@ -158,7 +159,7 @@ TEST(TuneMissions, LqrSearchesInTheWeights) {
   EXPECT_EQ(result.status, 0) << result.err;
   const Json json = Json::parse(result.out);
   EXPECT_TRUE(json["accepted"]);
-  // Alike weights stay alike, and the first input's stays.
+  // Equal weights stay equal, and the weight of the first input is kept.
   const Json& weights = json["gains"]["weights"];
   EXPECT_EQ(weights["px"], weights["py"]);
   EXPECT_EQ(weights["roll"], weights["pitch"]);
@@ -193,7 +194,7 @@ TEST(TuneMissions, KeepsRequirements) {
   }
 }
 
-// The start is told by the draws that published gains are told by, also where it stays.
+// The start is reported on the draws of the published gains, also if it is kept.
 TEST(TuneMissions, ColumnsAreOfTheSameDraws) {
   const ProgramResult result = run_program(
       {"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "12",
@@ -202,7 +203,7 @@ TEST(TuneMissions, ColumnsAreOfTheSameDraws) {
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["before"]["flights"], 3);
   EXPECT_EQ(json["before"], json["published"]);
-  // After the climb less than the window of the mission is left.
+  // The time after the climb is shorter than the window of the mission.
   EXPECT_THAT(json["broken"].dump(), HasSubstr("settling_time of hover"));
 }
 
@@ -225,9 +226,8 @@ TEST(TuneMissions, WritesTheStatesOfItsProblem) {
 constexpr int kTooEarly = 98, kTooLate = 99, kTold = 97;
 
 /// Runs a search in a child process and sends it SIGINT after the delay.
-/// @return  kTold: it printed the best design found so far and ended with 130; kTooEarly: it had
-/// not
-///          found any design yet; kTooLate: it had already ended; otherwise its exit status
+/// @return  kTold: it printed the best design so far and ended with 130; kTooEarly: it had no
+///          design yet; kTooLate: it had already ended; otherwise its exit status
 int interrupted_after(std::chrono::milliseconds delay, const std::string& folder) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -248,12 +248,12 @@ int interrupted_after(std::chrono::milliseconds delay, const std::string& folder
   int status = 0;
   EXPECT_EQ(::waitpid(child, &status, 0), child);
   if (!WIFEXITED(status)) return -1;
-  // Before the search begins the process is ended from outside, with 130.
+  // Before the search begins, the timer ends the process with status 130.
   return WEXITSTATUS(status) == 130 ? kTooEarly : WEXITSTATUS(status);
 }
 
-// What was found was once lost where a file was to be written. When a search has found something
-// depends on the machine and what else it does, so the moment is looked for.
+// Regression test: the result was lost when a file was to be written. When a search has a result
+// depends on the machine and its load, so the test searches for that moment.
 TEST(TuneMissions, AnInterruptLeavesTheBestFound) {
   const TemporaryDirectory directory;
   std::chrono::milliseconds delay(500);
@@ -293,15 +293,13 @@ TEST(TuneMissions, RefusesInOneLine) {
           2, "--budget is -1");
   refuses(
       {"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--measure", "men"}, 2,
-      "--measure: 'men' came, expected mean, quantile or worst");
+      "--measure: unknown measure 'men'; expected mean, quantile or worst");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--measure",
            "quantile", "--proof", "19"},
-          2,
-          "--proof is 19, expected at least 20 because fewer draws tell too little of the 0.9 "
-          "quantile");
+          2, "--proof is 19, expected at least 20 because the 0.9 quantile requires as many draws");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "2",
            "--budget", "1"},
-          3, "the mission 'hover' measures no figure of the cost in 2 s");
+          3, "the mission 'hover' yields no metric of the cost in 2 s");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--monte-carlo",
            "4294967296"},
           2, "--monte-carlo is 4294967296, expected at most 100000");
@@ -317,13 +315,13 @@ TEST(TuneMissions, RefusesInOneLine) {
         std::pair("--estimator", "truth")})
     refuses(
         {"tune", "pid", "mambo", "--gains", "published", "--requirements", whole, option, value}, 2,
-        std::string(option) + " came beside requirements that have [[mission]]");
+        std::string(option) + " cannot be combined with requirements that have [[mission]]");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--at", "line"}, 2,
           "--at is 'line', expected hover");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--method", "continuous"}, 2,
-          "--method continuous came, expected discrete or sampled");
+          "--method is continuous, expected discrete or sampled");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
-          "--inputs came without --Q and --R");
+          "--inputs requires --Q and --R");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
           "--report is for missions");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
@@ -332,7 +330,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
           "--mission is for missions");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
-          "expected --Q and --R beside --convention");
+          "expected --Q and --R with --convention");
   const auto file = [&](const std::string& from, const std::string& to) {
     return directory.write("r.toml", with_text(kRequirements, from, to)).string();
   };
@@ -346,7 +344,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses_file("\"worst\"", "\"wurst\"", "r.toml:5: 'wurst' came");
   refuses_file("draws = 2", "draws = 0", "draws in [cost] is 0, expected a whole number");
   refuses_file("Ms_max = 1.5", "Ms_max = 0.9", "Ms_max");
-  refuses_file("[loops.pitch]", "[loops.pich]", "no loop 'pich', expected some of");
+  refuses_file("[loops.pitch]", "[loops.pich]", "no loop 'pich'; expected one or more of");
   refuses_file("tilt_max_rad", "tilt_rad", "key 'tilt_rad' in [[mission]] 1.limits is not known");
   refuses_file("deviation = 0.02", "deviation = -0.02", "mass: deviation is -0.02");
   refuses_file("mission = \"hover\"", "mission = \"hovr\"", "did you mean 'hover'?");

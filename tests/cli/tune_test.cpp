@@ -31,8 +31,8 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-/// A vehicle that bobs at 50 Hz under a sonar of 25 Hz: density of the acceleration's noise
-/// 0.01 m²/s³, variance of the echoes 4e-4 m².
+/// A vehicle that moves up and down, logged at 50 Hz with a sonar of 25 Hz: acceleration noise
+/// density 0.01 m²/s³, variance of the echoes 4e-4 m².
 std::string bobbing(int rows, double smoothing = 0) {
   constexpr double dt = 0.02;
   const RandomSource<1> source{2026, {0}};
@@ -61,7 +61,7 @@ ProgramResult tune(const std::string& file, const std::vector<std::string>& more
   return run_program(args);
 }
 
-// The example of the documentation is what this makes.
+// This writes the example of the documentation.
 TEST(TuneVerb, ItsExampleIsMadeHere) {
   EXPECT_TRUE(testing::matches_document("docs/examples/bobbing.csv", bobbing(2000)));
 }
@@ -88,7 +88,7 @@ TEST(TuneVerb, FindsWhatMadeTheLog) {
   EXPECT_LT(double(json["nis"]["before"][0]["value"]), 0.5);
   EXPECT_NEAR(double(json["nis"]["after"][0]["value"]), 1, 0.02);
   EXPECT_EQ(json["whiteness"][0]["verdict"], "pass");
-  // The file is a model like any other, and where it came from stands in it.
+  // The file is a valid model and states its origin.
   const FilterModel model = load_filter_model(tuned);
   EXPECT_NEAR(model.parameters[0].start, double(Q["value"]), 1e-12);
   std::stringstream text;
@@ -102,7 +102,7 @@ TEST(TuneVerb, FindsWhatMadeTheLog) {
               1e-6 * double(Q["value"]));
 }
 
-// The second method, from what comes every other instant, inputs in between.
+// The second method, with measurements at every second instant and inputs in between.
 TEST(TuneVerb, FindsItByAutocovariancesToo) {
   const TemporaryDirectory folder;
   const std::string file = folder.write("bobbing.csv", bobbing(6000)).string();
@@ -134,7 +134,7 @@ TEST(TuneVerb, FindsItByAutocovariancesToo) {
 
 TEST(TuneVerb, SaysWhyAutocovariancesCannotTellALog) {
   const TemporaryDirectory folder;
-  // Echoes come and go.
+  // Some echoes are missing.
   std::string text = bobbing(1500);
   std::size_t at = text.find('\n') + 1;
   for (int row = 0; row < 1500; ++row) {
@@ -145,8 +145,8 @@ TEST(TuneVerb, SaysWhyAutocovariancesCannotTellALog) {
   const ProgramResult result = tune(folder.write("torn.csv", text).string(), {"--method", "als"});
   EXPECT_EQ(result.status, 4);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, HasSubstr("tune: no stretch of one sample time with all measurements "
-                                    "each time is of 30 samples or more"));
+  EXPECT_THAT(result.err, HasSubstr("tune: no stretch with a constant sample time and all "
+                                    "measurements at each sample has the 30 samples or more"));
 }
 
 // An on-board filter's output is not a measurement.
@@ -179,7 +179,7 @@ TEST(TuneVerb, MapsFixesAndStarts) {
   EXPECT_NEAR(double(json["parameters"][1]["value"]), 0.0004, 1e-15);
 }
 
-// What --map does not name goes by its own name.
+// A signal without --map is read from the channel of the same name.
 TEST(TuneVerb, MapsOneOfSeveral) {
   const TemporaryDirectory folder;
   std::string renamed = bobbing(1000);
@@ -201,15 +201,16 @@ TEST(TuneVerb, RefusesInOneLine) {
     EXPECT_THAT(result.err, HasSubstr(message));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   };
-  refused({"tune", "kalmn", "--model", "altitude", "--log", file}, 2,
-          "quadtune tune: 'kalmn' came, expected kalman or pid or lqr; did you mean 'kalman'?");
+  refused(
+      {"tune", "kalmn", "--model", "altitude", "--log", file}, 2,
+      "quadtune tune: 'kalmn' is unknown, expected kalman or pid or lqr; did you mean 'kalman'?");
   refused({"tune", "kalman", "--log", file}, 2, "--model is missing");
   refused({"tune", "kalman", "--model", "altitude"}, 2, "--log is missing");
   refused({"tune", "kalman", "--model", "altitude", "--log", "-"}, 2,
           "--log is -, expected a file");
   refused({"tune", "kalman", "--model", "attitud", "--log", file}, 3, "did you mean 'attitude'?");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "height"}, 2,
-          "--map: 'height' came, expected NAME=CHANNEL");
+          "--map is 'height', expected NAME=CHANNEL");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "az=az", "--map",
            "height=heigth"},
           3, "did you mean 'height'?");
@@ -222,7 +223,7 @@ TEST(TuneVerb, RefusesInOneLine) {
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--start", "R.sonar=-1"}, 2,
           "the start of 'R.sonar' is -1, expected a positive number");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--method", "mle"}, 2,
-          "--method: 'mle' came, expected ml or als");
+          "--method is 'mle', expected ml or als");
   refused({"tune", "kalman", "--model", "altitude", "--log", "no.csv"}, 5, "no.csv");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--holdout", "1"}, 2,
           "--holdout is 1, expected 0 to 0.9");
@@ -293,9 +294,8 @@ TEST(TuneVerb, SaysWhatItTakesAClockFor) {
   const std::string us = folder.write("us.csv", clocked(0, 1000));
   const ProgramResult refused = tune(us);
   EXPECT_EQ(refused.status, 3);
-  EXPECT_THAT(refused.err,
-              HasSubstr(us + ": the clock 'timestamp' states no unit, and as seconds its samples "
-                             "would be 20000 s apart"));
+  EXPECT_THAT(refused.err, HasSubstr(us + ": the clock 'timestamp' states no unit, and in seconds "
+                                          "its samples would be 20000 s apart"));
   EXPECT_EQ(tune(us, {"--columns", "t_us:timestamp, *", "--quiet"}).err, "");
 }
 
@@ -350,7 +350,7 @@ std::string resting_with_gaps() {
   return text;
 }
 
-// It once refused all of the log.
+// Regression test: the whole log was rejected.
 TEST(TuneVerb, LeavesOutWhatHasOneMeasurementBetweenGaps) {
   const TemporaryDirectory folder;
   const std::string log = folder.write("gaps.csv", resting_with_gaps());
@@ -381,7 +381,7 @@ TEST(TuneVerb, EndsWithTheBestOfItsBudget) {
   EXPECT_THAT(result.out,
               HasSubstr("fit         out of time after 0 evaluations: the best so far"));
   EXPECT_THAT(result.err, HasSubstr("the fit is out of time"));
-  EXPECT_THAT(result.out, HasSubstr("innovations output"));  // the start is judged all the same
+  EXPECT_THAT(result.out, HasSubstr("innovations output"));  // the start is evaluated nevertheless
   EXPECT_FALSE(std::filesystem::exists(file));
   const Json json =
       Json::parse(tune(log, {"--budget", "1e-9", "--json", "-o", file, "--force"}).out);
@@ -392,8 +392,8 @@ TEST(TuneVerb, EndsWithTheBestOfItsBudget) {
   EXPECT_EQ(tune(log, {"--budget", "0"}).status, 2);
 }
 
-/// Ends the process with the status of a tuning that a signal comes into: after twice the time that
-/// one of few searches takes from its start to its end.
+/// Ends the process with the status of a tuning that a signal interrupts: after twice the time that
+/// a tuning with few searches takes.
 [[noreturn]] void be_interrupted(const std::string& log, const std::string& file) {
   const auto begin = std::chrono::steady_clock::now();
   (void)tune(log, {"--starts", "1"});
@@ -425,7 +425,7 @@ TEST(TuneVerb, AnInterruptLeavesTheBestFound) {
 
 TEST(TuneVerb, JudgesErrorsByATruth) {
   const TemporaryDirectory folder;
-  // The truth of the bobbing, by its own integral.
+  // The true motion, by integration.
   std::string text = "t_s,z[m]\n";
   double z = -1, vz = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -466,7 +466,7 @@ TEST(TuneVerb, BelievesAStillBarometer) {
   EXPECT_EQ(json["whiteness"][0]["verdict"], "pass");
 }
 
-// What the Mambo logs is what its estimator made.
+// The Mambo logs the output of its estimator.
 TEST(TuneVerb, RefusesTheMambosEstimates) {
   QUADTUNE_REQUIRE_DATA(data);
   const ProgramResult result =
@@ -484,8 +484,9 @@ TEST(TuneVerb, SaysWhenALogIsTooShort) {
   EXPECT_THAT(result.out, HasSubstr("too short to tell"));
 }
 
-/// Rows t and columns of one shape each: 0 constant, 1 noisy up to the middle and then stuck, 2 of
-/// two values, 3 a ramp that a model may predict to the last digit, 4 constant but for one sample.
+/// Rows t and columns of one kind each: 0 constant, 1 noisy up to the middle and then constant, 2
+/// with two values, 3 a ramp that a model may predict to the last digit, 4 constant except one
+/// sample.
 std::string shaped(const std::vector<std::string>& columns, int shape, int rows) {
   const RandomSource<1> source{7, {0}};
   std::string text = "t_s";
@@ -506,7 +507,7 @@ std::string shaped(const std::vector<std::string>& columns, int shape, int rows)
   return text;
 }
 
-// A sensor that hangs tells no noise: that is said in one line, by either method.
+// A stuck sensor does not determine its noise: both methods report it in one line.
 TEST(TuneVerb, RefusesWhatNeverChanges) {
   const TemporaryDirectory folder;
   const std::string log = folder.write("c.csv", shaped({"position[m]"}, 0, 1000)).string();
@@ -517,18 +518,18 @@ TEST(TuneVerb, RefusesWhatNeverChanges) {
     EXPECT_EQ(result.out, "");
     EXPECT_THAT(result.err,
                 HasSubstr("tune: position: position is constant over the fitted part: all 800 "
-                          "measurements are 3 m, expected ones that change because their noise is "
-                          "to be found from them"));
+                          "measurements are 3 m; expected varying ones, because their noise is "
+                          "estimated from them"));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   }
-  // Nothing is to be found of it.
+  // Its noise cannot be estimated.
   const ProgramResult held = run_program(
       {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--fix", "R.position"});
   EXPECT_EQ(held.status, 1) << held.err;
   EXPECT_THAT(held.out, Not(HasSubstr("nan")));
 }
 
-// Whatever a channel holds, the command ends as it says, and prints no NaN.
+// Whatever a channel contains, the command ends as documented and prints no NaN.
 TEST(TuneVerb, EndsAsDocumentedWhateverAChannelHolds) {
   const TemporaryDirectory folder;
   struct Case {
@@ -613,7 +614,7 @@ variance = 0.01
       run_program({"tune", "kalman", "--model", model, "--log",
                    folder.write("log.csv", bobbing(120)).string(), "--starts", "1"});
   ASSERT_LE(result.status, 1) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("compared    not with als: "));
+  EXPECT_THAT(result.out, HasSubstr("compared    not compared with als: "));
 }
 
 TEST(TuneVerb, NamesTheChannelsThatItTook) {
@@ -645,14 +646,14 @@ TEST(TuneVerb, AsksWhatALocalLevelIs) {
       run_program({"tune", "kalman", "--model", "local-level", "--log", log});
   EXPECT_EQ(asked.status, 3);
   EXPECT_THAT(asked.err,
-              HasSubstr("'y' of the model 'local-level' stands for any quantity, and the "
-                        "channel 'y' [uT] may be another one, expected --map y=CHANNEL"));
+              HasSubstr("'y' of the model 'local-level' can be any quantity, and the channel 'y' "
+                        "[uT] may be a different one, expected --map y=CHANNEL"));
   const ProgramResult told =
       run_program({"tune", "kalman", "--model", "local-level", "--log", log, "--map", "y=y"});
   EXPECT_THAT(told.out, HasSubstr("channels    y: y [uT]\n"));
 }
 
-// The program's own flights feed its own models.
+// Logs of simulated flights suffice for the built-in models.
 TEST(TuneVerb, TakesFlightLogsAsTheyAre) {
   const TemporaryDirectory folder;
   for (const char* ending : {"csv", "mat"}) {
@@ -673,7 +674,7 @@ TEST(TuneVerb, TakesFlightLogsAsTheyAre) {
   }
 }
 
-// The errors in the states' own units, of the part that the fit has not seen.
+// The errors in the units of the states, over the part that was held out.
 TEST(TuneVerb, TellsRootMeanSquareErrors) {
   const TemporaryDirectory folder;
   std::string text = "t_s,z[m]\n";
@@ -692,13 +693,13 @@ TEST(TuneVerb, TellsRootMeanSquareErrors) {
   EXPECT_EQ(state["name"], "z");
   EXPECT_EQ(state["unit"], "m");
   EXPECT_EQ(state["samples"], 400);
-  // Echoes err by 0.02 m, the tuned filter by less, and the one before by more than that.
+  // The echoes have an error of 0.02 m, the tuned filter a smaller one, and the filter before a
+  // larger one.
   EXPECT_LT(double(state["after"]), 0.015);
   EXPECT_GT(double(state["before"]), double(state["after"]));
   EXPECT_EQ(json["warnings"].size(), 0);
   EXPECT_THAT(tune(log, {"--truth", "z=z@" + truth}).out, HasSubstr("accuracy    rms error"));
-  // An error of the echoes that comes and goes slowly: the likelihood follows it, the start did
-  // not.
+  // A slowly varying error of the echoes: the tuned filter follows it, the start did not.
   std::stringstream lines(bobbing(2000));
   std::string line, swaying;
   for (int k = -1; std::getline(lines, line); ++k) {
@@ -711,7 +712,7 @@ TEST(TuneVerb, TellsRootMeanSquareErrors) {
   const ProgramResult worse =
       tune(folder.write("swaying.csv", swaying),
            {"--truth", "z=z@" + truth, "--start", "Q.az=0.01", "--start", "R.sonar=0.04"});
-  EXPECT_THAT(worse.out, HasSubstr("less accurate on the stretch held out: z errs by 0."));
+  EXPECT_THAT(worse.out, HasSubstr("less accurate on the held-out part: z: error 0."));
 }
 
 }  // namespace

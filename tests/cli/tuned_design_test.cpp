@@ -78,7 +78,7 @@ class TunedDesign : public ::testing::Test {
   TemporaryDirectory folder_;
 };
 
-// The whole way: a log, its tuned model, a design, what the flight program reads.
+// All steps: a log, its tuned model, a design, the files that the flight program reads.
 TEST_F(TunedDesign, WritesWhatTheLogSaid) {
   const ProgramResult tuning = run_program({"tune", "kalman", "--model", "altitude", "--log",
                                             testing::source_folder() + "/docs/examples/bobbing.csv",
@@ -91,7 +91,7 @@ TEST_F(TunedDesign, WritesWhatTheLogSaid) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("noise of tuned.toml, verdict pass"));
   std::string file = folder_.read("out/estimatorVars.m");
-  EXPECT_THAT(file, HasSubstr("Q and R were found in logs: tuned.toml, verdict pass."));
+  EXPECT_THAT(file, HasSubstr("Q and R were estimated from logs: tuned.toml, verdict pass."));
   const auto number_after = [&](const std::string& name) {
     return std::stod(file.substr(file.find(name) + name.size()));
   };
@@ -105,8 +105,10 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   const std::string design = design_with("tuned.toml");
   const ProgramResult refused = run_program({"design", design, "-o", path("out")});
   EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.err, HasSubstr("the verdict on tuned.toml of filter altitude is 'fail'; "
-                                     "--force takes it all the same"));
+  EXPECT_THAT(
+      refused.err,
+      HasSubstr(
+          "the verdict on tuned.toml of filter altitude is 'fail'; use --force to accept it"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   const ProgramResult exported =
       run_program({"export", design, "--to", "mambo", "-o", path("out")});
@@ -118,7 +120,7 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   EXPECT_THAT(folder_.read("out/estimatorVars.m"), HasSubstr("verdict fail"));
   const ProgramResult verified = run_program({"verify", path("out")});
   EXPECT_EQ(verified.status, 1);
-  EXPECT_THAT(verified.out, HasSubstr("FAIL the design holds what it is asked for: written by "
+  EXPECT_THAT(verified.out, HasSubstr("FAIL the design holds what it is asked for: written with "
                                       "--force although the verdict on tuned.toml"));
   std::filesystem::remove_all(path("out"));
   EXPECT_EQ(run_program({"export", design, "--to", "mambo", "-o", path("out"), "--force"}).status,
@@ -126,7 +128,7 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   EXPECT_THAT(folder_.read("out/manifest.json"), HasSubstr("\"forced\""));
 }
 
-// The simulated estimator has the covariances as well: another flight comes out.
+// The simulated estimator uses the covariances as well, so the flight differs.
 TEST_F(TunedDesign, FliesWithThem) {
   const auto flown = [&](double density) {
     write_tuned(density, "pass");
@@ -144,7 +146,8 @@ TEST_F(TunedDesign, RefusesWhatDoesNotFit) {
   write_tuned(0.1, "pass");
   const ProgramResult both = run_program({"design", design_with("tuned.toml", "\nR = [1]")});
   EXPECT_EQ(both.status, 3);
-  EXPECT_THAT(both.err, HasSubstr("R stands beside tuned in [[kalman]] 1, expected one of them"));
+  EXPECT_THAT(both.err,
+              HasSubstr("R and tuned are both in [[kalman]] 1, expected only one of them"));
   const ProgramResult missing = run_program({"design", design_with("nowhere.toml")});
   EXPECT_EQ(missing.status, 5);
   EXPECT_THAT(missing.err, HasSubstr("nowhere.toml"));
@@ -155,12 +158,12 @@ TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
   const ProgramResult result =
       run_program({"design", uquad_with("uquad.toml"), "-o", path("out"), "--force"});
   ASSERT_LE(result.status, 1) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("uquad, noise of uquad.toml, verdict pass"));
+  EXPECT_THAT(result.out, HasSubstr("uquad, noise from uquad.toml, verdict pass"));
   const auto numbers = [&](const std::string& name) {
     std::istringstream text(folder_.read("out/" + name));
     return std::vector<double>(std::istream_iterator<double>(text), {});
   };
-  // Densities of filters/uquad.toml for 10 ms; its places are known but for the velocity.
+  // Densities of filters/uquad.toml times 10 ms; the position has no process noise of its own.
   EXPECT_THAT(
       numbers("kalman-Q.txt"),
       Pointwise(DoubleNear(1e-15), std::vector<double>{0., 0., 0., 1e-8, 1e-8, 1e-8, 1e-4, 1e-4,
@@ -170,12 +173,12 @@ TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
       Pointwise(DoubleNear(1e-15), std::vector<double>{0.25, 0.25, 0.05, 0.1, 0.1, 0.1, 4e-4, 4e-4,
                                                        4e-4, 0.25, 1., 1., 1., 0.1, 0.1, 0.1}));
   EXPECT_THAT(folder_.read("out/manifest.json"), HasSubstr("uquad.toml"));
-  // The diagonals are right; that a mission failed was known when it was forced.
+  // The diagonals are right; the failed mission was known when --force was given.
   const ProgramResult verified = run_program({"verify", path("out")});
   EXPECT_EQ(verified.status, 1);
   const std::size_t fail = verified.out.find("FAIL ");
   EXPECT_EQ(verified.out.substr(fail, verified.out.find('\n', fail) - fail),
-            "FAIL the design holds what it is asked for: written by --force although a mission "
+            "FAIL the design holds what it is asked for: written with --force although a mission "
             "failed");
   EXPECT_EQ(verified.out.rfind("FAIL "), fail) << verified.out;
 }
@@ -203,8 +206,8 @@ TEST_F(TunedDesign, RefusesEstimatorsThatDoNotFit) {
   write_tuned(0.1, "pass");
   const ProgramResult linear = run_program({"design", uquad_with("tuned.toml")});
   EXPECT_EQ(linear.status, 3);
-  EXPECT_THAT(linear.err, HasSubstr("the tuned model 'altitude' is none of the uquad's filter, "
-                                    "expected one with dynamics = \"rigid-body\""));
+  EXPECT_THAT(linear.err, HasSubstr("the tuned model 'altitude' is not a model of the uquad's "
+                                    "filter, expected dynamics = \"rigid-body\""));
   std::ifstream file(testing::source_folder() + "/filters/uquad.toml");
   std::stringstream text;
   text << file.rdbuf();
@@ -214,7 +217,7 @@ TEST_F(TunedDesign, RefusesEstimatorsThatDoNotFit) {
                                                                "vehicle = \"crazyflie\""));
   const ProgramResult other = run_program({"design", uquad_with("other.toml")});
   EXPECT_EQ(other.status, 3);
-  EXPECT_THAT(other.err, HasSubstr("is of the vehicle 'crazyflie', expected 'uquad'"));
+  EXPECT_THAT(other.err, HasSubstr("is for the vehicle 'crazyflie', expected 'uquad'"));
   const std::string shared = "[[sensors.R]]\nkind = \"shared\"\nparameter = \"R.rates\"";
   ASSERT_NE(model.find(shared), std::string::npos);
   (void)folder_.write("axes.toml", model.replace(model.find(shared), shared.size(),
@@ -223,7 +226,7 @@ TEST_F(TunedDesign, RefusesEstimatorsThatDoNotFit) {
                                                      shared));
   const ProgramResult axes = run_program({"design", uquad_with("axes.toml")});
   EXPECT_EQ(axes.status, 3);
-  EXPECT_THAT(axes.err, HasSubstr("has other variances of 'rates' on each axis"));
+  EXPECT_THAT(axes.err, HasSubstr("has different variances of 'rates' on its axes"));
 }
 
 }  // namespace

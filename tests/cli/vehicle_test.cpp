@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// quadtune vehicle: what is odd about a file, what it leaves open.
+// quadtune vehicle: implausible values of a file, and assumptions for absent ones.
 #include "quadtune/model/vehicle.hpp"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ TEST(VehicleCheck, WarnsInTextAndJson) {
   EXPECT_THAT(run_program({"vehicle", "show", file}).out, HasSubstr("warnings    largest"));
 }
 
-// A vehicle that cannot hover is told the likely reason, too.
+// The error of a vehicle that cannot hover contains the likely reason.
 TEST(VehicleCheck, SaysWhyItMayNotHover) {
   const TemporaryDirectory folder;
   const std::string file =
@@ -53,7 +53,7 @@ TEST(VehicleCheck, SaysWhyItMayNotHover) {
   EXPECT_THAT(result.err, HasSubstr("mass_kg may be in g"));
 }
 
-// Rotors one of which speeds up faster: the lag of slowing down is that of both for the others.
+// One rotor speeds up faster: for the others, the lag of slowing down is that of both directions.
 TEST(VehicleShow, TellsBothLags) {
   const TemporaryDirectory folder;
   const Vehicle vehicle = load_vehicle("crazyflie");
@@ -68,7 +68,7 @@ TEST(VehicleShow, TellsBothLags) {
   EXPECT_THAT(shown.out, ::testing::Not(HasSubstr("nan")));
 }
 
-// What is in the file is in the JSON, by the same keys.
+// The JSON contains the values of the file, under the same keys.
 TEST(VehicleShow, JsonHasEveryKeyOfASensor) {
   const TemporaryDirectory folder;
   const std::string file = folder
@@ -123,7 +123,7 @@ TEST(VehicleShow, TellsEverything) {
         "rotor.lag_s = 0 s: speeds follow", "1.45 m g; 0.92 of the greatest thrust",
         "published   PID cascade every 0.005 s"})
     EXPECT_THAT(mambo, HasSubstr(words));
-  // What the file has is not assumed.
+  // Values of the file are not listed as assumed.
   EXPECT_THAT(mambo, ::testing::Not(HasSubstr("environment.gravity_m_per_s2 =")));
   EXPECT_THAT(mambo, ::testing::Not(HasSubstr("sensors = typical")));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A manifest that tells something else than its gains: verify and diff notice.
+// A manifest that disagrees with its gains: verify and diff detect it.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 class VerifyManifest : public ::testing::Test {
  protected:
-  /// A design, written to a directory of its own with the design beside it.
+  /// A design, exported to its own directory next to the design file.
   std::string exported(const std::string& design, const std::string& more = "") {
     std::ifstream file(testing::source_folder() + "/designs/" + design + ".toml");
     std::ostringstream text;
@@ -35,7 +35,7 @@ class VerifyManifest : public ::testing::Test {
     return out;
   }
 
-  /// What verify says of a manifest with a change.
+  /// The result of verify for a modified manifest.
   std::string verified(const std::string& out, const std::function<void(Json&)>& change,
                        int status = 1) {
     const std::string name = std::filesystem::path(out).filename().string() + "/manifest.json";
@@ -62,7 +62,7 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
   }
 }
 
-// A calibration of the sensors goes with the gains, and nothing but its own hash holds it.
+// A calibration of the sensors is exported with the gains; only its hash protects it.
 TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   (void)exported("uquad-hover");
   const std::string design = (folder_.path() / "uquad-hover.toml").string();
@@ -97,7 +97,7 @@ TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   const ProgramResult other =
       run_program({"export", design, "--to", "json", "-o", out + "2", "--imu-calibration", file});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("--imu-calibration is for --to uquad"));
+  EXPECT_THAT(other.err, HasSubstr("--imu-calibration applies to --to uquad only"));
 }
 
 TEST_F(VerifyManifest, NoticesSwappedInputs) {
@@ -107,7 +107,7 @@ TEST_F(VerifyManifest, NoticesSwappedInputs) {
       std::swap(manifest["gains"]["inputs"][0], manifest["gains"]["inputs"][1]);
     };
     EXPECT_THAT(verified(out, swap), HasSubstr("FAIL gains are those of the manifest: inputs "));
-    // A manifest is a file of gains, too: rows under other names are other gains.
+    // A manifest is also a file of gains: rows under other names are other gains.
     Json manifest = Json::parse(
         folder_.read(std::filesystem::path(out).filename().string() + "/manifest.json"));
     swap(manifest);
@@ -127,7 +127,8 @@ TEST_F(VerifyManifest, NoticesOtherWordsForTheSignals) {
            {"/gains/dt_s", 0.02, "sample time 0.01 in the file, 0.02"},
            {"/gains/input_kind", "rotor-thrust", "kind of inputs rotor-speed in the file"},
            {"/gains/law", "u = u0 - K x", "gains.law: is 'u = u0 - K x'"}}) {
-    // gains.dt_s of a uquad export comes from the manifest itself: the program's rate tells.
+    // gains.dt_s of a uquad export comes from the manifest itself; the rate of the program detects
+    // a change.
     const std::string text = verified(
         out,
         [&, where = where, value = value](Json& manifest) {
@@ -167,7 +168,7 @@ TEST_F(VerifyManifest, NoticesOtherEvidence) {
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["method"] = "continuous LQR"; }),
               HasSubstr("FAIL weights give the gains"));
   EXPECT_THAT(verified(out, [](Json& m) { m.erase("weights"); }),
-              HasSubstr(said + ": the manifest has an evidence without the weights"));
+              HasSubstr(said + ": the manifest has evidence, but not the weights"));
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"].erase("method"); }),
               HasSubstr("FAIL weights give the gains: "));
   EXPECT_THAT(verified(
@@ -191,7 +192,7 @@ TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
           ::testing::AllOf(HasSubstr("FAIL inputs are those of the manifest: "),
                            HasSubstr(i == 0 ? "/uquad-hover.toml has " : ": uquad.toml has ")))
           << i << key;
-  // An input that is nowhere to be found is told, and named by an option.
+  // A missing input is reported, and an option names it.
   std::filesystem::create_directory(folder_.path() / "elsewhere");
   std::filesystem::rename(folder_.path() / "uquad-hover.toml",
                           folder_.path() / "elsewhere" / "uquad-hover.toml");
@@ -236,7 +237,7 @@ TEST_F(VerifyManifest, NoticesAnotherCascade) {
     folder_.write(name + "/manifest.json", before);
     EXPECT_EQ(run_program({"verify", directory}).status, 0);
   }
-  // A cascade that does not hold the vehicle, under a mended hash.
+  // A cascade with an unstable loop, with a corrected hash.
   Json gains = Json::parse(folder_.read("out-mambo-hover/json/gains.json"));
   gains["cascade"]["loops"][3]["Kp"] = -gains["cascade"]["loops"][3]["Kp"].get<double>();
   folder_.write("out-mambo-hover/json/gains.json", gains.dump());

@@ -47,7 +47,7 @@ TEST(Allocation, IsCounted) {
   EXPECT_GT(allocations_of([] { MatrixXd(3, 3).setZero(); }), 0);
 }
 
-TEST(Allocation, WorkspacesDoNone) {
+TEST(Allocation, WorkspacesDoNotAllocate) {
   for (const Eigen::Index n : {1, 4, 12, 13, 16, 60}) {
     const MatrixXd A = -MatrixXd::Identity(n, n) + 0.1 * MatrixXd::Ones(n, n);
     const MatrixXd B = MatrixXd::Ones(n, 4);

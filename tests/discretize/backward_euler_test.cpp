@@ -63,7 +63,7 @@ TEST(DiscretizeBackwardEuler, RefusesAPoleThatWouldGoToInfinityAndBadPeriods) {
   EXPECT_THAT([&] { (void)discretize_backward_euler(p, 0.01); },
               ThrowsMessage<InvalidInput>(HasSubstr(
                   "backward-euler: A has a pole at 100 1/s, expected none at 1/dt because the "
-                  "transformation sends it to infinity (dt is 0.01 s); take another dt")));
+                  "transformation sends it to infinity (dt is 0.01 s); choose another dt")));
   EXPECT_THAT([&] { (void)discretize_backward_euler(p, 0); },
               ThrowsMessage<InvalidInput>(HasSubstr("backward-euler: dt is 0 s, expected")));
 }

@@ -47,14 +47,14 @@ TEST(SamplingErrorTest, OfOnePoleIsAsByHand) {
   const double dt = 0.1;
   const SamplingError euler = sampling_error(lag, discretize_channels(lag, dt, Method::euler));
   EXPECT_NEAR(euler.pole, std::abs(std::log(0.8) + 0.2) / 0.2, 1e-12);
-  // y(k dt) = 1 - e^(-0.2 k) against 1 - 0.8^k: the greatest difference by looking.
+  // y(k dt) = 1 - e^(-0.2 k) and 1 - 0.8^k: the maximum difference by enumeration.
   double worst = 0;
-  double greatest = 0;
+  double max = 0;
   for (int k = 0; k < 36; ++k) {
     worst = std::max(worst, std::abs(std::exp(-0.2 * k) - std::pow(0.8, k)));
-    greatest = 1 - std::exp(-0.2 * k);
+    max = 1 - std::exp(-0.2 * k);
   }
-  EXPECT_NEAR(euler.step, worst / greatest, 1e-3 * worst);
+  EXPECT_NEAR(euler.step, worst / max, 1e-3 * worst);
   const SamplingError zoh = sampling_error(lag, discretize_channels(lag, dt, Method::zoh));
   EXPECT_LT(zoh.pole, 1e-13);
   EXPECT_LT(zoh.step, 1e-13);

@@ -98,7 +98,7 @@ TEST(Delays, FractionalDelayOfALagHasItsClosedForm) {
   EXPECT_THAT(d.C, MatrixNear(MatrixXd{{1, 0, 0}}, 0));
 }
 
-TEST(Delays, StatesSayWhatTheyRemember) {
+TEST(Delays, StateNamesDescribeTheirDelay) {
   ContinuousLti p = testing::uquad_hover();
   p.C = MatrixXd::Identity(2, 12);
   p.outputs = {{"x", "m"}, {"y", "m"}};
@@ -159,7 +159,7 @@ TEST(Delays, RefusesFractionsWhereTheyAreNotExact) {
   EXPECT_THAT([&] { (void)discretize(p, 0.01, DiscretizationMethod::tustin, options); },
               ThrowsMessage<InvalidInput>(HasSubstr(
                   "delays: the delay of input 2 is 0.015 s, expected a whole number of samples of "
-                  "0.01 s because a fraction of one is exact by zoh only")));
+                  "0.01 s because only zoh is exact for fractions of a sample")));
   EXPECT_NO_THROW((void)discretize(p, 0.01, DiscretizationMethod::zoh, options));
   EXPECT_NO_THROW((void)discretize(p, 0.015, DiscretizationMethod::tustin, options));
 }

@@ -68,9 +68,10 @@ TEST(Discretize, RefusesToPrewarpOtherMethods) {
   const ContinuousLti p = testing::uquad_hover();
   for (const DiscretizationMethod method : kAll) {
     if (method == DiscretizationMethod::tustin) continue;
-    EXPECT_THAT([&] { (void)discretize(p, 0.01, method, {.prewarp = 20, .delays = {}}); },
-                ThrowsMessage<InvalidInput>(HasSubstr(
-                    to_string(method) + ": prewarp is 20 rad/s, expected none because only")));
+    EXPECT_THAT(
+        [&] { (void)discretize(p, 0.01, method, {.prewarp = 20, .delays = {}}); },
+        ThrowsMessage<InvalidInput>(HasSubstr(
+            to_string(method) + ": prewarp is 20 rad/s, expected no prewarping because only")));
   }
 }
 

@@ -57,9 +57,10 @@ TEST(DiscretizeImpulse, RefusesFeedthroughAndBadPeriods) {
               ThrowsMessage<InvalidInput>(HasSubstr("impulse: dt is 10000 s, expected a shorter")));
   p.C = MatrixXd{{1}, {1}};
   p.D = MatrixXd{{0}, {0.5}};
-  EXPECT_THAT([&] { (void)discretize_impulse(p, 0.1); },
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "impulse: D has 0.5 at (2,1), expected 0 because the impulse response")));
+  EXPECT_THAT(
+      [&] { (void)discretize_impulse(p, 0.1); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "impulse: D has 0.5 at (2,1), expected 0 because otherwise the impulse response")));
 }
 
 }  // namespace

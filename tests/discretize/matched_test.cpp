@@ -23,7 +23,7 @@ VectorXd list(std::initializer_list<double> numbers) {
   return Eigen::Map<const VectorXd>(numbers.begin(), static_cast<Eigen::Index>(numbers.size()));
 }
 
-// (s + 1)/((s + 2)(s + 3)(s + 5)): two zeros at infinity, one of which comes to -1.
+// (s + 1)/((s + 2)(s + 3)(s + 5)): two zeros at infinity, one of which is mapped to -1.
 TEST(DiscretizeMatched, MapsPolesZerosAndTheGainAtDc) {
   const double dt = 0.1;
   const ContinuousTransferFunction p{list({1, 1}), list({1, 10, 31, 30})};
@@ -121,7 +121,7 @@ TEST(DiscretizeMatched, RefusesModesOfWholeTurns) {
       [&] {
         (void)discretize_matched(ContinuousTransferFunction{list({1}), list({1, 0, w * w})}, 0.1);
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("a mode of 62.8319 rad/s makes whole turns")));
+      ThrowsMessage<InvalidInput>(HasSubstr("a mode of 62.8319 rad/s completes whole cycles")));
 }
 
 TEST(DiscretizeMatched, StateSpaceIsTheSamePlant) {

@@ -50,7 +50,7 @@ TEST(MatrixExponential, RotatesByTheAngle) {
   }
 }
 
-// The series of a nilpotent matrix ends, whatever its entries: nothing is to be scaled away.
+// The series of a nilpotent matrix is finite for any entries: no scaling is needed.
 TEST(MatrixExponential, IsExactForNilpotentMatrices) {
   const MatrixXd A{{0, 1e200, 0}, {0, 0, 1e-100}, {0, 0, 0}};
   EXPECT_THAT(exponential(A), MatrixNear(MatrixXd{{1, 1e200, 5e99}, {0, 1, 1e-100}, {0, 0, 1}}, 0));
@@ -61,8 +61,8 @@ TEST(MatrixExponential, IsExactForNilpotentMatrices) {
   EXPECT_THAT(exponential(chain), MatrixNear(expected, 1e-17));
 }
 
-// Slow modes beside fast ones: squaring e^(Ah) instead of e^(Ah) - I would lose 2¹⁷ ulp here.
-TEST(MatrixExponential, KeepsTheDigitsOfASlowModeBesideAFastOne) {
+// Slow modes next to fast ones: squaring e^(Ah) instead of e^(Ah) - I would lose 2¹⁷ ulp here.
+TEST(MatrixExponential, KeepsTheDigitsOfASlowModeNextToAFastOne) {
   const MatrixXd A{{-1e5, 0}, {0, -1e-3}};
   EXPECT_NEAR(exponential(A)(1, 1), std::exp(-1e-3), 3e-16);
 }

@@ -28,7 +28,7 @@ TEST(SampleTime, WarnsOfEveryFastPoleOnce) {
   EXPECT_THAT(
       sample_time_warnings(poles, 0.01),
       ElementsAre("the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at "
-                  "most 0.5; take dt <= 0.00417 s"));
+                  "most 0.5; use dt <= 0.00417 s"));
   EXPECT_THAT(sample_time_warnings(poles, 0.0101),
               ElementsAre(HasSubstr("the pole at -120 1/s is"),
                           HasSubstr("the poles at -30 +- 40i 1/s are"),

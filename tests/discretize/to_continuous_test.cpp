@@ -41,7 +41,7 @@ TEST(ToContinuous, UndoesTheHoldAndTustinOfRandomPlants) {
   }
 }
 
-// Twelve poles at 0 in chains, which no eigenvector basis takes apart.
+// Twelve poles at 0 in Jordan chains, so A has no eigenvector basis.
 TEST(ToContinuous, UndoesTheHoldOfHover) {
   const ContinuousLti p = testing::uquad_hover();
   const ContinuousLti again = to_continuous_zoh(discretize_zoh(p, 0.01));
@@ -91,7 +91,7 @@ TEST(ToContinuous, RefusesPolesThatNoHoldHas) {
       },
       ThrowsMessage<InvalidInput>(
           HasSubstr("zoh: A has a pole at 0, expected none because no continuous mode decays to "
-                    "nothing in one sample; take delays out")));
+                    "zero in one sample; remove delays")));
   // A delay alone: the pole and the rounding of A are both exactly 0.
   EXPECT_THAT([] { (void)to_continuous_zoh(with_A(MatrixXd{{0}})); },
               ThrowsMessage<InvalidInput>(HasSubstr("zoh: A has a pole at 0, expected none")));
@@ -106,8 +106,8 @@ TEST(ToContinuous, RefusesPolesThatNoHoldHas) {
 
 TEST(ToContinuous, RefusesOtherMethods) {
   EXPECT_THAT([] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::foh); },
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "foh: the way back is not built for this method, expected zoh or tustin")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("foh: conversion to continuous time supports only zoh and tustin")));
   EXPECT_THAT([] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::zoh, 3.0); },
               ThrowsMessage<InvalidInput>(HasSubstr("zoh: prewarp is 3 rad/s, expected none")));
 }

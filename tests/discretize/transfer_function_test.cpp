@@ -196,7 +196,7 @@ TEST(DiscretizeTransferFunction, RefusesWhatHasNoPicture) {
           "matched: the delay is 0.15 s");
   message({as_vector({1}), as_vector({1, 2})}, Method::zoh,
           "zoh: prewarp is 3 rad/s, expected none", {.prewarp = 3, .delays = {}});
-  message({as_vector({1}), as_vector({1, 2})}, Method::zoh, "zoh: delays of channels came",
+  message({as_vector({1}), as_vector({1, 2})}, Method::zoh, "zoh: delays of channels do not apply",
           {.prewarp = {}, .delays = {VectorXd::Zero(1), {}}});
   EXPECT_THAT(
       [] {

@@ -162,7 +162,7 @@ TEST(DiscretizeZoh, RefusesBadPeriods) {
   EXPECT_THAT(
       [] { (void)discretize_zoh(plant(MatrixXd{{1}}, MatrixXd{{1}}), 1e4); },
       ThrowsMessage<InvalidInput>(HasSubstr(
-          "zoh: dt is 10000 s, expected a shorter period because over it the plant grows")));
+          "zoh: dt is 10000 s, expected a shorter period because within it the plant grows")));
 }
 
 TEST(DiscretizeZoh, RefusesBadPlants) {

@@ -22,7 +22,7 @@ Gains uquad_gains() {
                      {"x", "y", "z", "theta"});
 }
 
-// 1 m too far north: the rotors must do the same whatever the axes are called.
+// 1 m too far north: the rotors must do the same in any convention.
 TEST(InConvention, CommandsTheSameMotorsInTheSameFlight) {
   const Gains uquad = uquad_gains();
   const Gains ned = in_convention(uquad, ned_convention());
@@ -47,7 +47,7 @@ TEST(InConvention, TurnsAWrenchAndComesBack) {
   EXPECT_THAT(back.x0, MatrixNear(mambo.x0, 0));
 }
 
-// The same past in other axes: the command is the same one.
+// The same past commands in other axes give the same command.
 TEST(InConvention, TurnsTheMemoryOfCommands) {
   Gains mambo = hover_gains(sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});
   CommandMemory memory{Eigen::Vector4d(0.05, 0.06, 0.07, 0.08), Eigen::MatrixXd(4, 4), 2,

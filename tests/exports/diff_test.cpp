@@ -47,7 +47,7 @@ TEST(Diff, NamesTheLargestDifferenceFirst) {
   EXPECT_EQ(difference.max_relative, first.relative);
 }
 
-// w1 does nothing for y: 1e-16 there is rounding, not a difference of 100 %.
+// y has no gain on w1: 1e-16 there is rounding, not a difference of 100 %.
 TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
   Gains a = gains_by_weight();
   a.K(0, 1) = 0;
@@ -59,7 +59,7 @@ TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
   EXPECT_NEAR(diff(a, b).max_relative, 0.01 / 1.01, 1e-6);  // against its own column
 }
 
-// A gain whose rows stand under other names is another gain; in another order it is the same.
+// A gain whose rows have other names is another gain; rows in another order are the same gain.
 TEST(Diff, MatchesRowsByTheNamesOfInputs) {
   const Gains a = gains_by_weight();
   Gains b = a;
@@ -79,7 +79,7 @@ TEST(Diff, MatchesRowsByTheNamesOfInputs) {
               ThrowsMessage<InvalidInput>(HasSubstr("the inputs are ")));
 }
 
-// Two laws with the same matrices fly differently by what else they have.
+// Two laws with equal matrices can differ in their memory, axes and limits.
 TEST(Diff, ComparesMemoryAxesAndLimits) {
   Gains a =
       testing::hover_gains(testing::sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Version 2 of gains.json: laws with a memory, limits and axes of their own.
+// Version 2 of gains.json: laws with a memory, limits and axes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -42,7 +42,7 @@ ExportContent dynamic_content() {
 
 Json json_of(const ExportContent& content) { return Json::parse(gains_json_text(content)); }
 
-/// Every sensor of the general filter, each number another one.
+/// Every sensor of the general filter, with distinct numbers.
 StoredEstimator every_number() {
   Sensors sensors = typical_sensors();
   sensors.gps = GpsSensor();
@@ -124,7 +124,7 @@ TEST(DynamicGains, AreRefusedWithAPartMissing) {
           "the limit of the position error is -1 m, expected more than 0");
 }
 
-// What a reader would have to guess makes another law.
+// A missing part must be an error, because a reader would have to guess it.
 TEST(DynamicGains, HaveAnEstimatorAndAWholeCascade) {
   const TemporaryDirectory directory;
   ExportContent content = dynamic_content();
@@ -148,14 +148,14 @@ TEST(DynamicGains, HaveAnEstimatorAndAWholeCascade) {
           "estimator.dt_s: is 0.01 s, expected 0.004 s, the sample period of the law");
   refusal([](Json& json) { json["estimator"]["flow"]["lag_s"] = 0.2; },
           "flow.lag is 0.2 s, expected 0 to 40 control periods of 0.004 s");
-  // True states are no estimator, which is said.
+  // True states are stored explicitly as "no estimator".
   content.estimator.reset();
   const Json truth = json_of(content);
   EXPECT_TRUE(truth["estimator"].is_null());
   EXPECT_FALSE(read_laws(directory.write("gains.json", truth.dump())).estimator);
 }
 
-// A program that holds a matrix on the states flies another law.
+// A program that supports only a matrix on the states would fly another law.
 TEST(DynamicGains, AreRefusedByProgramsThatHoldAMatrixOnly) {
   EXPECT_THAT([] { (void)export_files(ExportKind::mambo, dynamic_content()); },
               ThrowsMessage<InvalidInput>(
@@ -167,7 +167,7 @@ TEST(DynamicGains, AreRefusedByProgramsThatHoldAMatrixOnly) {
       ThrowsMessage<InvalidInput>(HasSubstr("the law sees the position error in heading axes")));
 }
 
-// Only the word "law" told of a memory in a file that claims to be of version 1.
+// In a file that claims version 1, only the word "law" reveals a memory.
 TEST(DynamicGains, AreRefusedInAFileOfVersionOne) {
   const TemporaryDirectory directory;
   for (const char* part : {"axes", "limits", "memory"}) {
@@ -176,12 +176,12 @@ TEST(DynamicGains, AreRefusedInAFileOfVersionOne) {
     json["gains"][part] = json_of(dynamic_content())["gains"][part];
     const std::filesystem::path path = directory.write("gains.json", json.dump());
     EXPECT_THAT([&] { (void)read_gains(path); },
-                ThrowsMessage<InvalidInput>(HasSubstr(
-                    fmt::format("gains.{}: is there, expected version 2 of the file", part))));
+                ThrowsMessage<InvalidInput>(
+                    HasSubstr(fmt::format("gains.{}: requires version 2 of the file", part))));
   }
 }
 
-/// The uquad's filter with other covariances than those of the library.
+/// The uquad's filter with covariances other than those of the library.
 StoredEstimator tuned_uquad(double dt) {
   StoredEstimator estimator{"uquad"};
   UquadFilterSettings<double>& settings = estimator.uquad.emplace(uquad_filter_in_si<double>());
@@ -211,10 +211,10 @@ TEST(StoredEstimator, ReadsBackAsWritten) {
   EXPECT_EQ(read_laws(directory.path() / "out/manifest.json").estimator, content.estimator);
   EXPECT_THAT(laws.gains->K, MatrixNear(content.gains->K, 0));
 
-  // A sensor that is not there is not read; one whose range has no end keeps it.
+  // A missing sensor is not read; an infinite range stays infinite.
   GeneralFilterSettings& settings = *content.estimator->general;
   settings.vision.reset();
-  settings.range->greatest = std::numeric_limits<double>::infinity();
+  settings.range->max = std::numeric_limits<double>::infinity();
   content.estimator->name = "general";
   const std::filesystem::path again = directory.write("again.json", gains_json_text(content));
   EXPECT_EQ(*read_laws(again).estimator, *content.estimator);

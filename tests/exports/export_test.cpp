@@ -143,7 +143,7 @@ TEST(Export, RefusesUquadWithoutGains) {
   ExportContent content = uquad_content();
   content.gains.reset();
   EXPECT_THAT([&] { (void)export_files(ExportKind::uquad, content); },
-              ThrowsMessage<InvalidInput>(HasSubstr("uquad: no gains came")));
+              ThrowsMessage<InvalidInput>(HasSubstr("uquad: there are no gains")));
 }
 
 TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {
@@ -171,7 +171,7 @@ TEST(ReadGains, SaysWhereAFileIsWrong) {
   std::string text = gains_json_text(uquad_content());
   text.replace(text.find("\"dt_s\": 0.01"), 12, "\"dt_s\": \"ten\"");
   refusal("gains.json", text, "gains.json: gains.dt_s: is \"ten\", expected a finite number");
-  refusal("gains.txt", "1 2\n", "gains.txt: is no gain file of uquad, expected K.txt");
+  refusal("gains.txt", "1 2\n", "gains.txt: is not a gain file of uquad; expected K.txt");
   EXPECT_THROW((void)read_gains(directory.path() / "missing"), FileError);
 }
 

@@ -24,7 +24,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// A flight program that reads K alone, as numbers in rows: all that an exporter needs is here.
+/// A flight program that reads only K, as numbers in rows: a complete example of an exporter.
 Exporter rows_exporter() {
   Exporter exporter;
   exporter.target = {"rows", /*takes_memory=*/false, /*needs_gains=*/true};
@@ -68,15 +68,15 @@ TEST(Exporter, OneOfTheUsersOwnIsWrittenReadAndVerified) {
     if (check.name.find("rows.txt") != std::string::npos) {
       EXPECT_TRUE(check.ok) << check.detail;
     }
-  // Without the manifest the files are read as the exporter knows them, in a folder or by name.
+  // Without the manifest, the exporter itself recognizes the files, in a folder or by name.
   const testing::TemporaryDirectory plain;
   const std::string rows = plain.write("rows.txt", "1 2\n3 4\n");
   EXPECT_EQ(read_laws(plain.path()).gains->K(1, 0), 3);
   EXPECT_EQ(read_laws(rows).vehicle, "rows");
-  // A number that was changed is found by the checks that every exporter has.
+  // The checks that all exporters share detect a changed number.
   directory.write("rows.txt", "1 2 3\n4 5 6\n");
   EXPECT_FALSE(verify_export(directory.path(), {}).ok());
-  // A design file may ask for it.
+  // A design file may request it.
   std::string design = load_design(testing::source_folder() + "/designs/uquad-hover.toml").text;
   const std::string asked = "to = \"uquad\"";
   ASSERT_NE(design.find(asked), std::string::npos);

@@ -30,7 +30,7 @@ const std::vector<FileContent> old_export = {{"K.txt", "1 2 3\n"}, {"manifest.js
 const std::vector<FileContent> new_export = {
     {"K.txt", std::string(100000, '7')}, {"K_int.txt", "4\n"}, {"manifest.json", "new\n"}};
 
-// Every file of a directory, hidden ones too.
+// All files of a directory, including hidden ones.
 Contents contents(const TemporaryDirectory& directory, const fs::path& below = "") {
   Contents result;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory.path() / below))
@@ -45,7 +45,8 @@ Contents contents(const std::vector<FileContent>& files) {
   return result;
 }
 
-// Runs `work` in a child, so that its limits and its user stay there. Returns what was thrown.
+// Runs `work` in a child process, to which its limits and its user are confined. Returns the
+// exception's text.
 std::string in_child(const std::function<void()>& work) {
   int ends[2];
   EXPECT_EQ(::pipe(ends), 0);
@@ -141,8 +142,8 @@ TEST(WriteFiles, RefusesATargetThatIsADirectory) {
 TEST(WriteFiles, UndoesTheExchangesThatWereMade) {
   const TemporaryDirectory directory;
   write_files(directory.path(), old_export);
-  // At the last question all temporaries are there; one that goes away then makes its rename fail
-  // after K.txt and K_int.txt took their places.
+  // At the last call all temporary files exist; if one is deleted, its rename fails after K.txt and
+  // K_int.txt were exchanged.
   const auto saboteur = [&, asked = 0]() mutable {
     if (++asked == 5) fs::remove(directory.path() / ".manifest.json.quadtune-tmp");
     return false;
@@ -167,7 +168,7 @@ TEST(WriteFiles, RefusesToWriteBesideAnotherWriter) {
   const int other = ::open(directory.path().c_str(), O_RDONLY | O_DIRECTORY);
   ASSERT_EQ(::flock(other, LOCK_EX), 0);
   EXPECT_THAT([&] { write_files(directory.path(), new_export); },
-              ThrowsMessage<FileError>(HasSubstr("another quadtune is writing here")));
+              ThrowsMessage<FileError>(HasSubstr("another quadtune process is writing to it")));
   ::close(other);
   write_files(directory.path(), new_export);
 }
@@ -179,7 +180,7 @@ TEST(WriteFiles, ReplacesTemporariesThatACrashLeft) {
   EXPECT_EQ(contents(directory), contents(old_export));
 }
 
-// Names of another set too, but only plain files of our pattern.
+// Also those of another set, but only plain files that match our pattern.
 TEST(WriteFiles, RemovesTheTemporariesOfAKilledWriter) {
   const TemporaryDirectory directory;
   directory.write(".K_full.txt.quadtune-tmp", "half");

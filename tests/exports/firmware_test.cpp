@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worked cases are derived from the sources that docs/bibliography.md names under "Firmware".
+// The worked cases are derived from the sources that docs/bibliography.md lists under "Firmware".
 #include "quadtune/exports/firmware.hpp"
 
 #include <fmt/format.h>
@@ -75,11 +75,11 @@ TEST(Firmware, IrisIsMixedByItsParametersAndTurnedByItsRotors) {
   // 4 1/s² per m/s acts as 7.0: the slope of a quadratic thrust at hover.
   const std::vector<FirmwareLoop> loops = firmware_loops(px4, testing::iris_vehicle(), values);
   expect_share(loop_of(loops, CascadeAxis::altitude).Kd() / 1.55, 4 * 1.7521);
-  // A motor in another place turns the vehicle over.
+  // A motor in another place would turn the vehicle over.
   values[1].value = -0.1515;
-  EXPECT_THAT(
-      [&] { (void)firmware_scale(px4, testing::iris_vehicle(), values); },
-      ThrowsMessage<InvalidInput>(HasSubstr("a rotor in another place turns the vehicle over")));
+  EXPECT_THAT([&] { (void)firmware_scale(px4, testing::iris_vehicle(), values); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("a rotor in another place would turn the vehicle over")));
 }
 
 TEST(Firmware, ArduCopterHoverAndCurveGiveTheTorque) {
@@ -108,7 +108,7 @@ TEST(Firmware, BetaflightUnitsArePerThousandAndPerDegree) {
   const FirmwareLoop& yaw = loop_of(loops, CascadeAxis::yaw);
   expect_share(yaw.scale * yaw.P, 0.0617704);
   expect_share(yaw.scale * yaw.I, 2.094699);
-  // An integral of the rate is a gain on the heading.
+  // An integral of the rate acts as a gain on the heading.
   expect_share(yaw.Kp(), 2.094699);
   EXPECT_EQ(yaw.Ki(), 0);
   EXPECT_FALSE(loop_of(loops, CascadeAxis::x).flies);
@@ -116,10 +116,10 @@ TEST(Firmware, BetaflightUnitsArePerThousandAndPerDegree) {
       firmware_scale(betaflight, testing::racing_vehicle(CommandLaw::speed), {});
   expect_share(quadratic.hover, 0.465805);
   expect_share(quadratic.thrust / 4, 7.918682);
-  // Without D-min the greatest D flies.
-  const auto greatest = firmware_loops(
-      betaflight, testing::racing_vehicle(CommandLaw::speed_squared), {{"d_min_roll", 0}});
-  expect_share(loop_of(greatest, CascadeAxis::roll).derivative(), 0.00412209);
+  // Without D-min, the maximum D is used.
+  const auto max = firmware_loops(betaflight, testing::racing_vehicle(CommandLaw::speed_squared),
+                                  {{"d_min_roll", 0}});
+  expect_share(loop_of(max, CascadeAxis::roll).derivative(), 0.00412209);
 }
 
 TEST(Firmware, CrazyflieScaleChangesWithVersionAndPropellers) {
@@ -144,7 +144,7 @@ TEST(Firmware, CrazyflieScaleChangesWithVersionAndPropellers) {
   expect_share(roll.derivative(), 1.706253e-5);
   const FirmwareLoop& yaw = loop_of(loops, CascadeAxis::yaw);
   expect_share(yaw.scale * yaw.P, 3.521509e-4);
-  // D of the attitude acts on the rate as well.
+  // D of the attitude also acts on the rate.
   expect_share(yaw.Kd(), 1.35 * 3.521509e-4);
   expect_share(loop_of(loops, CascadeAxis::altitude).Kd(), 0.183108);
   expect_share(9.81 * loop_of(loops, CascadeAxis::x).Kd(), 4.2804);
@@ -266,12 +266,12 @@ TEST(Firmware, NoiseIsHeldToThePublishedRangeAndSaysSo) {
   EXPECT_EQ(value_of(px4.values, "EKF2_GYR_NOISE"), 1e-4);
   EXPECT_EQ(value_of(px4.values, "EKF2_ACC_NOISE"), 1);
   EXPECT_THAT(px4.notes,
-              Contains(HasSubstr("EKF2_GYR_NOISE would be 1e-05 rad/s, held at 0.0001")));
+              Contains(HasSubstr("EKF2_GYR_NOISE would be 1e-05 rad/s, limited to 0.0001")));
   EXPECT_THAT(px4.notes, Contains(HasSubstr("much less than the default of 0.015")));
-  EXPECT_THAT(px4.notes, Contains(HasSubstr("EKF2_ACC_NOISE would be 10 m/s^2, held at 1")));
+  EXPECT_THAT(px4.notes, Contains(HasSubstr("EKF2_ACC_NOISE would be 10 m/s^2, limited to 1")));
 }
 
-/// Random gains with every ratio Kp²/(|Kd| Ki) from 4 on.
+/// Random gains with ratios Kp²/(|Kd| Ki) of at least 4.
 CascadeGains random_cascade(std::mt19937& random, bool any_integral) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Eigen::Vector3d> sizes;
@@ -294,7 +294,7 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
         const Vehicle vehicle = kind == FirmwareKind::crazyflie ? testing::crazyflie_vehicle()
                                                                 : testing::iris_vehicle();
         CascadeGains gains = random_cascade(random, kind == FirmwareKind::crazyflie);
-        // A Crazyflie's outputs end at 571 per degree per second.
+        // The output of a Crazyflie saturates at 571 per degree per second.
         if (kind == FirmwareKind::crazyflie)
           for (const CascadeAxis axis : {CascadeAxis::pitch, CascadeAxis::roll, CascadeAxis::yaw}) {
             PidLoop& loop = gains.loops[index_of(axis)];
@@ -354,16 +354,16 @@ TEST(Firmware, BadFilesAreRefusedWithTheirLine) {
   expect_refused(px4, "1\t1\tMC_ROLL_P\t1e300\t9\n", "fits a float");
   expect_refused(betaflight, "set p_roll = 300\n", "p_roll is 300, expected 0 to 250");
   expect_refused(crazyflie, "params: {}\ntype: persistent_param_state\nversion: 1\n", "in quotes");
-  expect_refused(px4, "# nothing\n", "holds no parameter of the loops of px4");
+  expect_refused(px4, "# nothing\n", "has no parameter of the control loops of px4");
   expect_refused(px4, std::string("1\0", 2), "file");
   expect_refused(ardupilot, "ATC_ANG_RLL_P\n", "file:1: has 1 words");
   expect_refused(ardupilot, "PSC_NE_POS_P,1\n", "PSC_NE_POS_P belongs to ardupilot 4.7", "4.5");
   expect_refused(ardupilot, "PSC_POSXY_P,1\n", "PSC_POSXY_P belongs to ardupilot 4.6", "4.7");
   expect_refused(betaflight, "set p_roll = 45.5\n", "file:1: p_roll is 45.5, expected a whole");
   expect_refused(betaflight, "set d_min_roll = 30\n", "belongs to betaflight 4.5", "2025.12");
-  expect_refused(crazyflie, "params: 3\n", "has no map params");
+  expect_refused(crazyflie, "params: 3\n", "has no map 'params'");
   expect_refused(crazyflie, "params: {}\ntype: other\nversion: '1'\n", "persistent_param_state");
-  expect_refused(crazyflie, "params: [\n", "is no YAML");
+  expect_refused(crazyflie, "params: [\n", "is not YAML");
   expect_refused(crazyflie,
                  "params:\n  pid_rate.roll_kp:\n    is_stored: true\ntype: "
                  "persistent_param_state\nversion: '1'\n",
@@ -405,7 +405,7 @@ TEST(Firmware, VersionsAndSetupsAreRefusedByName) {
       [] {
         (void)firmware(FirmwareKind::px4, {"", "legacy"}, "here");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("expected none")));
+      ThrowsMessage<InvalidInput>(HasSubstr("is not supported")));
   EXPECT_THAT(
       [] {
         (void)firmware(FirmwareKind::crazyflie, {"", "legcy"}, "here");
@@ -440,7 +440,7 @@ TEST(Firmware, ExportIsVerifiedAndAChangedNumberIsFound) {
     (void)write_export(directory.path(), export_to, content);
     for (const VerifyCheck& check : firmware_checks(directory.path(), vehicle))
       EXPECT_TRUE(check.ok) << check.detail;
-    // Each gain by itself, by one per cent.
+    // Changes each gain separately by one per cent.
     const Firmware target = newest(kind);
     const FirmwareParameters written = firmware_parameters(
         target, vehicle, exporter_of(export_to, "test").fit(content).cascade->gains);
@@ -484,7 +484,7 @@ TEST(Firmware, RotorsOfABoardAreKnownByTheirPlaces) {
   Vehicle vehicle = testing::sih_vehicle();
   const Firmware px4 = newest(FirmwareKind::px4);
   const FirmwareScale own = firmware_scale(px4, vehicle, {});
-  // The same rotors in another order, and places that are only alike.
+  // The same rotors in another order, and similar but unequal places.
   std::vector<Parameter> values = {{"CA_ROTOR_COUNT", 4}};
   const double places[][3] = {{1, -1, -0.05}, {1, 1, 0.05}, {-1, 1, -0.05}, {-1, -1, 0.05}};
   for (int i = 0; i < 4; ++i) {
@@ -504,7 +504,7 @@ TEST(Firmware, StateFeedbackIsRefused) {
   content.vehicle = testing::sih_vehicle();
   content.gains = Gains{};
   EXPECT_THAT([&] { (void)export_files(ExportKind("px4"), content); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no place for a matrix of gains")));
+              ThrowsMessage<InvalidInput>(HasSubstr("cannot represent a gain matrix")));
 }
 
 }  // namespace

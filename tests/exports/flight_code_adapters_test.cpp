@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adapters of flight code, compiled against declarations of the firmware that they are for, and fed
-// with a recorded flight in that firmware's units and axes.
+// Adapters of flight code, compiled against declarations of their firmware and tested with a
+// recorded flight in that firmware's units and axes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -41,7 +41,7 @@ ExportContent adapted(const std::string& vehicle, const std::string& adapter, do
 
 class Adapter : public ::testing::TestWithParam<bool> {
  protected:
-  /// Exports, runs a shell command in the folder, and returns what it said.
+  /// Exports, runs a shell command in the folder, and returns its output.
   std::string run(const ExportContent& content, const std::string& command) {
     write_files(folder_.path(), flight_code_files(content));
     const int status =
@@ -68,11 +68,11 @@ TEST_P(Adapter, OfTheCrazyflieGivesTheForcesOfTheLawInTheFirmwaresAxes) {
 TEST_P(Adapter, OfPx4GivesTheThrustsOfTheLawByItsTopics) {
   const ExportContent content = adapted("crazyflie", "px4", 0.004, GetParam());
   const Rotor& rotor = content.vehicle.rotors[0];
-  const double greatest = rotor.thrust_a2 * content.vehicle.motor.max * content.vehicle.motor.max;
+  const double max = rotor.thrust_a2 * content.vehicle.motor.max * content.vehicle.motor.max;
   EXPECT_THAT(run(content, fmt::format("c++ -std=c++17 {} -Wno-double-promotion -c -I. -I$S/px4 "
                                        "$S/px4/fly.cpp && cc -std=c99 {} -c prog*.c && "
                                        "c++ -o fly *.o -lm && ./fly flight.txt {:.17g} {:.17g}",
-                                       kFlags, kFlags, rotor.thrust_a2, greatest)),
+                                       kFlags, kFlags, rotor.thrust_a2, max)),
               HasSubstr("periods as the law"));
 }
 
@@ -127,7 +127,7 @@ TEST(Adapters, RefuseWhatTheirBoardDoesNotHave) {
                   HasSubstr("no adapter 'pixhawk', expected main, mambo, crazyflie, px4")));
 }
 
-// The firmware's numbers of motors, whatever order the vehicle's file has.
+// The firmware's motor numbers, for any order of the rotors in the vehicle's file.
 TEST(Adapters, FindEachMotorByItsPlaceAndSense) {
   ExportContent content = adapted("crazyflie", "crazyflie", 0.004);
   const auto order = [&] {

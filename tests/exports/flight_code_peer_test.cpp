@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exported flight code by other compilers, for other processors, under sanitizers, and by the rules
-// of MISRA C.
+// Exported flight code with other compilers, for other processors, with sanitizers, and checked
+// against MISRA C.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -34,7 +34,7 @@ using testing::schedule_content_of;
 using testing::ScheduleCase;
 using testing::TemporaryDirectory;
 
-/// The exit status of a shell command in a folder; what it says goes to the file `log` there.
+/// The exit status of a shell command in a folder; its output is written to the file `log` there.
 int run_in(const std::filesystem::path& folder, const std::string& command) {
   return std::system(fmt::format("cd '{}' && ( {} ) > log 2>&1", folder.string(), command).c_str());
 }
@@ -59,9 +59,9 @@ class CallGraph {
       frames_[found[1].str()] = std::stoi(found[2].str());
     }
   }
-  /// The stack of the deepest nest of calls that a function begins. Of functions from libraries
-  /// nothing is known; they count nothing.
-  /// @throws std::logic_error  for recursion
+  /// The maximum stack depth of the calls that a function makes. Library functions are unknown and
+  /// count as 0.
+  /// @throws std::logic_error  if there is recursion
   [[nodiscard]] int deepest(const std::string& function,
                             const std::set<std::string>& callers = {}) const {
     if (callers.contains(function)) throw std::logic_error(function + " calls itself");
@@ -138,7 +138,7 @@ TEST_P(FlightCodeCompiled, ForCortexMIsSmall) {
     said >> code >> data >> zeroed;
     EXPECT_GT(code, 1000);
     EXPECT_LE(code, 60'000);
-    EXPECT_EQ(data + zeroed, 0);  // no state but in the structure
+    EXPECT_EQ(data + zeroed, 0);  // no state outside the structure
     std::string rest, at, bytes;
     std::getline(said, rest);
     said >> at >> bytes;
@@ -173,13 +173,13 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
 
-/// How many instructions a function, or two that make up a step, took in a recorded flight.
+/// The number of instructions that a function, or two that form a step, took in a recorded flight.
 struct InstructionCount {
-  double calls = 0, sum = 0, most = 0;
+  double calls = 0, sum = 0, max = 0;
   [[nodiscard]] double mean() const { return sum / calls; }
 };
 
-/// A program, and limits of its instructions: the mean of a step, and the most of the law alone.
+/// A program with limits on its instructions: the mean of a step, and the maximum of the law alone.
 struct Measured {
   FlightCodeCase program;
   double step, law;
@@ -196,8 +196,8 @@ class FlightCodeOnCortexM : public ::testing::TestWithParam<Measured> {
     write_files(folder_.path(), flight_code_files(content));
   }
 
-  /// Replays the recorded flight on an emulated board, where each instruction takes 2^8 ns, and
-  /// counts the instructions of functions. Objects that are there already are linked as they are.
+  /// Replays the recorded flight on an emulated board, on which each instruction takes 2^8 ns, and
+  /// counts the instructions of functions. Existing objects are linked unchanged.
   [[nodiscard]] InstructionCount replay(const std::string& board, const std::string& processor,
                                         const std::vector<std::string>& functions) const {
     const std::string flags = processor + " -mthumb -mfloat-abi=hard";
@@ -219,8 +219,8 @@ class FlightCodeOnCortexM : public ::testing::TestWithParam<Measured> {
     EXPECT_THAT(line, HasSubstr("control periods, all equal bit by bit"));
     InstructionCount count;
     double ticks = 0;
-    said >> count.calls >> count.sum >> count.most >> ticks;
-    // The clock has 25 MHz, so 300,000 instructions are this many ticks if time goes by them.
+    said >> count.calls >> count.sum >> count.max >> ticks;
+    // The clock runs at 25 MHz, so 300,000 instructions are this many ticks if time is emulated.
     EXPECT_NEAR(ticks, 300'000 * 256e-9 * 25e6, 2);
     EXPECT_GT(count.calls, 400);
     return count;
@@ -237,12 +237,12 @@ TEST_P(FlightCodeOnCortexM, RepeatsTheFlightInFewInstructions) {
     const InstructionCount step = replay(board, processor, {"estimate", "control"});
     const InstructionCount law = replay(board, processor, {"law_step"});
     RecordProperty(board, fmt::format("step {:.0f}, at most {}; law {:.0f}, at most {}",
-                                      step.mean(), step.most, law.mean(), law.most));
+                                      step.mean(), step.max, law.mean(), law.max));
     EXPECT_GT(law.mean(), 500);
-    EXPECT_LE(law.most, GetParam().law);
+    EXPECT_LE(law.max, GetParam().law);
     EXPECT_GT(step.mean(), law.mean());
     EXPECT_LE(step.mean(), GetParam().step);
-    EXPECT_LE(step.most, 200'000);
+    EXPECT_LE(step.max, 200'000);
   }
 }
 

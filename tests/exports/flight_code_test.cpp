@@ -74,8 +74,8 @@ TEST(FlightCode, IsSeenToHaveALoopWithoutABound) {
 }
 
 TEST_P(FlightCode, FliesAsTheLibraryDoes) {
-  // The same numbers in the order of the program: the two differ by rounding alone, which a filter
-  // that decides by gates may turn into more.
+  // The same numbers in the order of the program: both differ only by rounding, which the gates of
+  // a filter may amplify.
   const ExportContent content = flight_code_content(GetParam());
   const FlightSetup setup = exports::recorded_setup(content);
   const FlightResult by_library = fly(setup);
@@ -134,9 +134,9 @@ TEST(FlightCode, HasTheUquadsFilterForOtherSensorsAndBodies) {
     EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
   };
   for (const bool double_precision : {false, true}) {
-    // 8 states, without what only GPS sees.
+    // 8 states, without those that only GPS observes.
     repeats(double_precision, [](Vehicle& vehicle) { vehicle.sensors.gps.reset(); });
-    // Each of the measurements and of the terms of the model.
+    // With each measurement and each term of the model.
     repeats(double_precision, [](Vehicle& vehicle) {
       vehicle.sensors.vision = SensorFaults{.rate = 10, .delay = 0.05};
       vehicle.inertia(0, 1) = vehicle.inertia(1, 0) = 0.1 * vehicle.inertia(0, 0);
@@ -155,7 +155,7 @@ TEST(FlightCode, HasTheUquadsFilterForOtherSensorsAndBodies) {
         (void)flight_code_files(
             content_of(false, [](Vehicle& vehicle) { vehicle.sensors.barometer.reset(); }));
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("do not feed the estimator 'uquad'")));
+      ThrowsMessage<InvalidInput>(HasSubstr("do not suffice for the estimator 'uquad'")));
 }
 
 TEST(FlightCode, HasTheCovariancesThatAreStoredWithTheDesign) {
@@ -231,7 +231,7 @@ TEST(FlightCode, MayHaveANameLikeThoseOfTheSources) {
   const TemporaryDirectory folder;
   ExportContent content = flight_code_content({"thrusts", "mambo", InputKind::rotor_thrust});
   content.flight_code.name = "qt_real";
-  content.vehicle.name = "*/ #error */";  // in no comment
+  content.vehicle.name = "*/ #error */";  // must not end a comment
   content.gains->vehicle = content.vehicle.name;
   write_files(folder.path(), flight_code_files(content));
   EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
@@ -325,13 +325,13 @@ TEST(FlightCode, IsVerifiedByItsText) {
   const auto found = [&] { return flight_code_checks(folder.path(), content.vehicle, {}); };
   ASSERT_EQ(found().size(), 1U);
   EXPECT_TRUE(found().front().ok) << found().front().detail;
-  // A sign of one gain, and a manifest that knows of it.
+  // The sign of one gain, with a matching manifest.
   std::string text = folder.read("crazyflie_parameters.c");
   const std::size_t at = text.find(".Kp = ") + 6;
   folder.write("crazyflie_parameters.c", text.replace(at, 0, text[at] == '-' ? " " : "-"));
   EXPECT_FALSE(found().front().ok);
   EXPECT_THAT(found().front().detail, HasSubstr("crazyflie_parameters.c: line"));
-  // The numbers of another program beside it.
+  // The numbers of another program in the same folder.
   folder.write("crazyflie_parameters.c", text.erase(at, 1));
   EXPECT_TRUE(found().front().ok) << found().front().detail;
   folder.write("mambo_parameters.c", "");
@@ -356,7 +356,7 @@ TEST(FlightCode, RefusesWhatIsNoProgram) {
   refusal([](ExportContent& c) { c.gains.reset(); }, "the design has no law");
   refusal([](ExportContent& c) { c.gains->dt = 0; }, "the gains are continuous");
   refusal([](ExportContent& c) { c.cascade = hovering_cascade(c.vehicle, PidMethod::tustin); },
-          "expected the law cascaded-pid or state-feedback to be chosen");
+          "expected the law cascaded-pid or state-feedback to be selected");
   refusal([](ExportContent& c) { c.flight_code.law = "cascaded-pid"; }, "no law 'cascaded-pid'");
   refusal([](ExportContent& c) { c.flight_code.law = "lqr"; }, "no law 'lqr'");
   for (const char* name :

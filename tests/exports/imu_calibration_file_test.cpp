@@ -58,11 +58,11 @@ TEST(ImuCalibrationFile, ReadsBackToTheSameNumbers) {
   }
 }
 
-// By their place: accelerometer 1…12, gyroscope 13…24, magnetometer 25…36, then the temperatures.
+// By position: accelerometer 1…12, gyroscope 13…24, magnetometer 25…36, then the temperatures.
 TEST(ImuCalibrationFile, TakesNumbersByTheirPlace) {
   std::string text;
   for (int i = 1; i <= 45; ++i)
-    text += std::to_string(i * i % 47) + (i % 7 == 0 ? "\r\n" : "\t");  // lines are for people
+    text += std::to_string(i * i % 47) + (i % 7 == 0 ? "\r\n" : "\t");  // any white space
   const ImuCalibrationFile c = parse_imu_calibration(text, "f");
   const auto at = [](int i) { return double(i * i % 47); };
   EXPECT_EQ(c.accelerometer.M(0, 1), at(2));
@@ -93,7 +93,8 @@ TEST(ImuCalibrationFile, RefusesOtherCountsByLine) {
                     HasSubstr("c.txt:" + std::to_string(std::max(count, 1)) + ": ends after " +
                               std::to_string(count) + " numbers, expected 36")));
   EXPECT_THAT([] { (void)parse_imu_calibration(numbers(46), "c.txt"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("c.txt:46: has number 46, expected 36 or 45")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("c.txt:46: has 46 or more numbers; expected 36 or 45")));
 }
 
 TEST(ImuCalibrationFile, RefusesWhatTheFlightProgramWouldMisread) {
@@ -109,14 +110,14 @@ TEST(ImuCalibrationFile, RefusesWhatTheFlightProgramWouldMisread) {
   std::string flat = numbers(45);
   flat[0] = '0';
   EXPECT_THAT([&] { (void)parse_imu_calibration(flat, "c.txt"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the accelerometer's matrix has no inverse")));
+              ThrowsMessage<InvalidInput>(HasSubstr("the accelerometer's matrix is singular")));
   ImuCalibrationFile c = random_calibration(1);
   c.gyroscope.b(1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT([&] { (void)imu_calibration_text(c); },
               ThrowsMessage<InvalidInput>(HasSubstr("the gyroscope's calibration is nan")));
 }
 
-// Every prefix of a file is refused or is the older file.
+// Every prefix of a file is rejected or is a valid older file.
 TEST(ImuCalibrationFile, RefusesTornFiles) {
   const std::string text = imu_calibration_text(random_calibration(5));
   for (std::size_t length = 0; length + 30 < text.size(); ++length) try {
@@ -134,7 +135,7 @@ TEST(ImuCalibrationFile, ReadsThePublishedFile) {
   EXPECT_NEAR(c.gyroscope.b(0), -25.381918771483, 1e-12);
   EXPECT_EQ(c.magnetometer.M(1, 0), 0);
   EXPECT_NEAR(c.gyroscope_t0, 27.9869547673702, 1e-12);
-  // A still vehicle feels gravity: the first frame of the log beside it.
+  // A stationary vehicle measures gravity: the first frame of the log in the same folder.
   const Vector3d felt = c.accelerometer.M * (Vector3d(1, 1, 208) - c.accelerometer.b);
   EXPECT_NEAR(felt.norm(), 9.81, 0.3);
   const ImuCalibrationFile back = parse_imu_calibration(imu_calibration_text(c), "f");

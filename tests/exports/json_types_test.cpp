@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// JSON files of ours in which a value has another type than we write.
+/// Our JSON files with a value of another type than we write.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -42,7 +42,7 @@ std::string schedule() {
   return schedule_text(schedule, TableFormat::json);
 }
 
-/// Whether `read` refuses `text`; nothing but InvalidInput may come out of it.
+/// Whether `read` rejects `text`; only InvalidInput may be thrown.
 bool refused(const std::string& text, const Reader& read) {
   try {
     read(text);
@@ -77,7 +77,7 @@ TEST(JsonTypes, ReadersRefuseOthersThanTheyWrite) {
         };
         const bool same =
             other.type() == right.at(place).type() || (may_be(other) && may_be(right.at(place)));
-        // What is written for people and not read back.
+        // Members for human readers, which are not read.
         bool read_back = true;
         for (const char* note : {"/about", "/description", "/loops/0/output", "/loops/0/unit"})
           read_back = read_back && name.find(note) == std::string::npos;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Frames of the Mambo's two firmwares: the bytes of tables 5.1 and 5.2 of Oliveira 2020, worked by
-/// hand; the way there and back; refusals.
+/// Frames of the Mambo's two firmwares: the bytes of tables 5.1 and 5.2 of Oliveira 2020, computed
+/// by hand; round trips; rejections.
 #include "quadtune/exports/link.hpp"
 
 #include <gmock/gmock.h>
@@ -59,7 +59,7 @@ TEST(SimulinkFrames, AreLittleEndianIntegersOfTable51) {
   EXPECT_EQ(hex_of(kSimulink, "snapshot"), "10 00 00 00");
 }
 
-// The thesis' program numbers take-off 9, land 10 and a turn of 45 degrees 11.
+// In the thesis' program, take-off has the number 9, land 10 and a turn of 45 degrees 11.
 TEST(NativeFrames, AreThoseOfTable52WithTheirHeader) {
   EXPECT_EQ(hex_of(kNative, "takeoff", {}, 9), "04 0b 09 0b 00 00 00 02 00 01 00");
   EXPECT_EQ(hex_of(kNative, "land", {}, 10), "04 0b 0a 0b 00 00 00 02 00 03 00");
@@ -86,7 +86,7 @@ TEST(LinkTables, EachStopsAndNoTwoCommandsAreOne) {
     for (const LinkEntry& entry : link_entries(firmware)) {
       EXPECT_TRUE(ids.insert(entry.id).second) << entry.name;
       EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
-      // A stop is typed in a hurry.
+      // A stop command must work without further options.
       if (entry.stops) {
         EXPECT_TRUE(entry.arguments.empty()) << entry.name;
         stops.insert(entry.name);
@@ -114,12 +114,12 @@ TEST(LinkFields, AreTheFrameWithWhatTheVehicleReads) {
   EXPECT_EQ(fields[5].value, 45);  // rounded to what the frame holds
   EXPECT_EQ(fields[5].unit, "deg");
   EXPECT_EQ(link_fields(link_command(kNative, "flip", {"right"})).back().meaning, "right");
-  // No rounding of its own: 0.05 is 0.05.
+  // No additional rounding: 0.05 is 0.05.
   EXPECT_EQ(link_fields(link_command(kSimulink, "roll", {"0.05"})).back().value, 0.05);
 }
 
-// Every command with random values within its limits: what is read back differs by half a step at
-// most, and has the same bytes.
+// Every command with random values within its limits: decoding restores the values to half a step,
+// and the same bytes.
 TEST(LinkFrames, ReadBackAsTheyWereWritten) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 5000; ++i) {
@@ -149,7 +149,7 @@ TEST(LinkFrames, ReadBackAsTheyWereWritten) {
   }
 }
 
-// The limits themselves are values of the frame.
+// Values at the limits are valid.
 TEST(LinkFrames, TakeTheirLimits) {
   for (const LinkFirmware firmware : {kSimulink, kNative})
     for (const LinkEntry& entry : link_entries(firmware)) {
@@ -163,7 +163,7 @@ TEST(LinkFrames, TakeTheirLimits) {
     }
 }
 
-// A value beyond its limits, by a step of the frame or without any end.
+// A value that exceeds its limits by one step of the frame, or an infinite one.
 TEST(LinkFrames, RefuseValuesBeyondTheirLimits) {
   using Limits = std::numeric_limits<double>;
   for (const LinkFirmware firmware : {kSimulink, kNative})
@@ -194,10 +194,10 @@ TEST(LinkCommands, RefuseWrongWords) {
   };
   EXPECT_EQ(
       refused(kNative, "takeof", {}),
-      "command: 'takeof' is no command, expected for the firmware native: takeoff, land, move, "
+      "command: 'takeof' is not a command, expected for the firmware native: takeoff, land, move, "
       "turn, flip; did you mean 'takeoff'?");
-  EXPECT_THAT(refused(kSimulink, "flip", {"left"}), StartsWith("command: 'flip' is no command"));
-  EXPECT_THAT(refused(kSimulink, "", {}), StartsWith("command: no name of a command, expected"));
+  EXPECT_THAT(refused(kSimulink, "flip", {"left"}), StartsWith("command: 'flip' is not a command"));
+  EXPECT_THAT(refused(kSimulink, "", {}), StartsWith("command: is empty, expected"));
   EXPECT_EQ(
       refused(kNative, "move", {"1"}),
       "move: number of values is 1, expected 4: roll [%], pitch [%], rotation [%], climb [%]");
@@ -211,7 +211,7 @@ TEST(LinkCommands, RefuseWrongWords) {
   EXPECT_THAT(message_of([] { return link_firmware("matlab"); }),
               StartsWith("firmware is 'matlab', expected simulink or native"));
   EXPECT_THAT(message_of([] { return link_firmware(""); }), StartsWith("firmware is missing"));
-  // A command that was made by hand.
+  // A command that was constructed without link_command().
   EXPECT_THAT(message_of([] {
                 return link_frame({kSimulink, "position", {1}});
               }),
@@ -228,43 +228,43 @@ std::string refused_frame(LinkFirmware firmware, const std::string& hex) {
 
 TEST(DecodeLinkFrame, RefusesFramesOfAnotherLength) {
   EXPECT_EQ(refused_frame(kSimulink, "01 00 00"),
-            "frame: 3 bytes came, expected at least 4, because an id of 4 comes first");
+            "frame: has 3 bytes; expected at least 4, because it starts with an id of 4 bytes");
   EXPECT_EQ(refused_frame(kSimulink, "01 00 00 00"),
-            "frame: 4 bytes came, expected 8, because that is the length of takeoff");
+            "frame: has 4 bytes; expected 8, the length of takeoff");
   EXPECT_EQ(refused_frame(kSimulink, "02 00 00 00 00 00 00 00"),
-            "frame: 8 bytes came, expected 4, because that is the length of land");
+            "frame: has 8 bytes; expected 4, the length of land");
   EXPECT_EQ(refused_frame(kNative, "04 0b 09 0b 00 00 00 02 00 01"),
-            "frame: 10 bytes came, expected at least 11, because a header of 7 and an id of 4 come "
-            "first");
+            "frame: has 10 bytes; expected at least 11, because it starts with a header of 7 "
+            "and an id of 4 bytes");
   EXPECT_EQ(refused_frame(kNative, "04 0b 09 0d 00 00 00 02 00 01 00"),
-            "frame: its header says 13 bytes, expected 11, because so many came");
-  // The header tells the truth, but the command is another.
+            "frame: the header states a length of 13 bytes; expected 11, the length of the frame");
+  // The header is consistent, but the command is another.
   EXPECT_EQ(refused_frame(kNative, "04 0b 09 0c 00 00 00 02 00 01 00 00"),
-            "frame: 12 bytes came, expected 11, because that is the length of takeoff");
-  // A length whose upper bytes count, too.
+            "frame: has 12 bytes; expected 11, the length of takeoff");
+  // A length whose upper bytes are not zero.
   EXPECT_THAT(refused_frame(kNative, "04 0b 09 0b 00 00 80 02 00 01 00"),
-              StartsWith("frame: its header says 2147483659 bytes"));
+              StartsWith("frame: the header states a length of 2147483659 bytes"));
 }
 
 TEST(DecodeLinkFrame, RefusesWhatIsInNoTable) {
   EXPECT_THAT(refused_frame(kSimulink, "04 00 00 00"),
-              StartsWith("frame: the id 04 00 00 00 is no command of the firmware simulink, "
+              StartsWith("frame: the id 04 00 00 00 is not a command of the firmware simulink; "
                          "expected one of 01 00 00 00 (takeoff), 02 00 00 00 (land), "));
   EXPECT_THAT(refused_frame(kSimulink, "00 00 00 01"), HasSubstr("the id 00 00 00 01"));
   EXPECT_THAT(refused_frame(kNative, "04 0b 09 0b 00 00 00 02 00 04 00"),
-              StartsWith("frame: the id 02 00 04 00 is no command of the firmware native"));
+              StartsWith("frame: the id 02 00 04 00 is not a command of the firmware native"));
   EXPECT_EQ(refused_frame(kNative, "01 8b 00 0b 00 00 00 02 00 01 00"),
-            "frame: byte 1 is 01, expected 04 or 02, because the type of a command says whether it "
-            "asks for an acknowledgement");
+            "frame: byte 1 is 01, expected 04 or 02, because the type states whether an "
+            "acknowledgement is requested");
   EXPECT_EQ(refused_frame(kNative, "04 0a 09 0b 00 00 00 02 00 01 00"),
             "frame: byte 2 is 0a, expected 0b, because it is the buffer of the type 04");
   EXPECT_EQ(refused_frame(kNative, "02 0b 09 0b 00 00 00 02 00 01 00"),
             "frame: byte 2 is 0b, expected 0a, because it is the buffer of the type 02");
   const std::string move = "04 0b 01 14 00 00 00 02 00 02 00 ";
   EXPECT_EQ(refused_frame(kNative, move + "00 0a f6 64 9c 00 00 00 00"),
-            "frame: byte 12 is 00, expected 01, because it is always so");
+            "frame: byte 12 is 00, expected 01, because it is constant");
   EXPECT_EQ(refused_frame(kNative, move + "01 0a f6 64 9c 00 00 00 07"),
-            "frame: byte 20 is 07, expected 00, because it is always so");
+            "frame: byte 20 is 07, expected 00, because it is constant");
 }
 
 TEST(DecodeLinkFrame, RefusesValuesBeyondTheirLimits) {
@@ -272,7 +272,7 @@ TEST(DecodeLinkFrame, RefusesValuesBeyondTheirLimits) {
               StartsWith("frame: takeoff: power is 101 %, expected 0 to 100 %"));
   EXPECT_THAT(refused_frame(kSimulink, "0e 00 00 00 1e 00 00 00"),
               StartsWith("frame: height: z is 0.3 m, expected -10 to 0 m"));
-  // Without the 10 rad, as if somebody forgot to add them.
+  // Without the offset of 10 rad, as if it had been forgotten.
   EXPECT_THAT(refused_frame(kSimulink, "0b 00 00 00 32 00 00 00"),
               StartsWith("frame: pitch: pitch is -9.95 rad"));
   EXPECT_THAT(refused_frame(kSimulink, "0b 00 00 00 00 00 00 80"),
@@ -283,7 +283,7 @@ TEST(DecodeLinkFrame, RefusesValuesBeyondTheirLimits) {
               StartsWith("frame: flip: direction is 4, expected 0 to 3"));
 }
 
-// Random bytes, and frames with one byte changed: refused, or the frame of a command.
+// Random bytes, and frames with one byte changed, are rejected or decode to a valid command.
 TEST(DecodeLinkFrame, TakesNothingThatItWouldNotWrite) {
   std::mt19937_64 random(2);
   std::size_t taken = 0;
@@ -310,8 +310,8 @@ TEST(DecodeLinkFrame, TakesNothingThatItWouldNotWrite) {
   EXPECT_GT(taken, 100U);
 }
 
-// Parrot 2015: type 1, the buffer of the frame plus 128, any number of its own, 8 bytes in all, the
-// frame's number.
+// Parrot 2015: type 1, the buffer of the frame plus 128, any sequence number, a length of 8 bytes,
+// and the sequence number of the frame.
 TEST(Acknowledgements, AreOfOneFrame) {
   const LinkFrame frame = link_bytes("04 0b 09 0b 00 00 00 02 00 01 00");
   EXPECT_TRUE(acknowledges(link_bytes("01 8b 00 08 00 00 00 09"), frame));
@@ -331,9 +331,9 @@ TEST(LinkBytes, ReadWhatThesesAndToolsPrint) {
     EXPECT_EQ(link_bytes(text), frame) << text;
   for (const char* text : {"4", "04 b", "0g", "0x", "-4", "04,0b", "04 0b f"})
     EXPECT_THAT(message_of([&] { return link_bytes(text); }),
-                HasSubstr("expected bytes as pairs of hexadecimal digits"))
+                HasSubstr("expected pairs of hexadecimal digits"))
         << text;
-  EXPECT_THAT(message_of([] { return link_bytes(" "); }), StartsWith("frame: no bytes came"));
+  EXPECT_THAT(message_of([] { return link_bytes(" "); }), StartsWith("frame: is empty"));
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST_F(MamboOctave, DefinesEveryListedField) {
       EXPECT_GT(get(std::string("Estimator.") + filter + field).size(), 0) << filter << field;
 }
 
-// Every number that stands in the files, as Octave sees it.
+// Every number in the files, as read by Octave.
 TEST_F(MamboOctave, ReadsEveryNumberAsTheSameDouble) {
   int compared = 0;
   for (const FileContent& file : mambo_files(mambo_content()))

@@ -94,13 +94,13 @@ TEST(Mambo, RefusesALawWithLimits) {
   expect_refusal(content, "mambo: the law limits its position error or its integrals");
 }
 
-// What a name says must not become code that the model project runs.
+// A name must not become code that the model project runs.
 TEST(Mambo, KeepsNamesInsideTheirComment) {
   ExportContent content = mambo_content();
   content.vehicle.name = "mambo\nsystem('reboot')";
   EXPECT_THAT(text_of(content, "vehicleVars.m"), HasSubstr("% vehicleVars.m: mambo system("));
   content.cascade->gains.loops[0].name = "x = 1; y";
-  expect_refusal(content, "loop 'x = 1; y' came, expected a name");
+  expect_refusal(content, "the loop is called 'x = 1; y'; expected a name");
 }
 
 TEST(Mambo, WritesAnEmptyMatrixForWhatIsNotKnown) {
@@ -135,7 +135,7 @@ TEST(Mambo, RefusesAVehicleThatTheModelProjectCannotExpress) {
   content = mambo_content();
   content.vehicle.drag.cda.x() = 0.001;
   content.vehicle.airframe_diameter = std::numeric_limits<double>::quiet_NaN();
-  expect_refusal(content, "drag.cda is 0.001 m^2 without an airframe diameter");
+  expect_refusal(content, "drag.cda is 0.001 m^2, but the airframe diameter is unknown");
 }
 
 TEST(Mambo, RefusesOtherGainsAndFilters) {
@@ -144,7 +144,7 @@ TEST(Mambo, RefusesOtherGainsAndFilters) {
   expect_refusal(content, "the gain is in convention 'ned' with inputs wrench, expected 'mambo'");
   content = mambo_content();
   content.filters[0].name = "yaw";
-  expect_refusal(content, "filter 'yaw' came, expected 'altitude' or 'velocity'");
+  expect_refusal(content, "filter 'yaw' is not supported; expected 'altitude' or 'velocity'");
   content = mambo_content();
   content.filters[0].M(1, 0) = std::numeric_limits<double>::infinity();
   expect_refusal(content, "Estimator.alt.kf.M has inf at (2,1), expected finite numbers");
@@ -167,12 +167,12 @@ TEST(MNumbers, RefusesWhatCannotBeChecked) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)))
         << text;
   };
-  refusal("a = 1;\na = 2;\n", "x.m:2: a is given twice");
-  refusal("a = 1;\na(2) = 2;\n", "x.m:2: 'a(2) = 2;' came, expected 'Name = value;'");
+  refusal("a = 1;\na = 2;\n", "x.m:2: a is defined twice");
+  refusal("a = 1;\na(2) = 2;\n", "x.m:2: has 'a(2) = 2;'; expected 'Name = value;'");
   refusal("a = 1; b = 2;\n", "expected one value and a semicolon");
   refusal("K = [\n  1, 2\n  3\n];\n", "x.m:3: has 1 numbers, expected 2");
   refusal("K = [\n  1, 2\n  3, nan\n];\n", "K has an entry that is not finite");
-  refusal("K = [\n  1, 2\n  3, x\n];\n", "x.m:3: '3, x' is no row of numbers");
+  refusal("K = [\n  1, 2\n  3, x\n];\n", "x.m:3: '3, x' is not a row of numbers");
   refusal("K = [\n  1, 2\n", "x.m: ends within a matrix");
   refusal("a. = 1;\n", "x.m:1: 'a. = 1;' came");
   refusal(" = 1;\n", "expected 'Name = value;'");

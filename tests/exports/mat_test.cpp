@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gains.mat, read back by the reader of MAT files that logs come through.
+// gains.mat, read by the MAT reader for logs.
 #include <gmock/gmock.h>
 
 #include "logs/mat/mat_elements.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exports in a convention that came from a file.
+// Exports in a convention that is defined in a file.
 #include <gmock/gmock.h>
 
 #include <string>
@@ -43,7 +43,8 @@ ExportContent content_in(const Convention& convention) {
 
 TEST(OwnConvention, EqualToABuiltInOneGivesTheSameBytes) {
   const ExportContent built_in = testing::uquad_content();
-  // By its own name it is the built-in one; by another, one turns it back without rounding.
+  // With its own name it is the built-in convention; with another name, it is converted without
+  // rounding.
   ExportContent same = content_in(from_file("uquad"));
   ExportContent turned = content_in(from_file("own-uquad"));
   EXPECT_EQ(turned.gains->convention, "own-uquad");
@@ -76,7 +77,7 @@ TEST(OwnConvention, IsDefinedInTheExportAndVerified) {
   EXPECT_EQ(read_gains(directory.path()).convention, "own-export");
 }
 
-// The other name stands for another process, which never saw the file of the convention.
+// The other name represents another process, which never read the file of the convention.
 TEST(OwnConvention, IsReadBackWithoutItsFile) {
   const testing::TemporaryDirectory directory;
   const std::vector<FileContent> files =
@@ -99,8 +100,9 @@ TEST(OwnConvention, IsRefusedWhereItsDefinitionIsNotThatOfItsName) {
     EXPECT_THAT([&] { (void)read_gains(path); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refused("y = -py", "y = py",
-          "gains.convention.definition: the convention 'own-definition' differs");
-  refused("y = -py", "y = -pw", "gains.convention.definition:4: states: 'y = -pw' names no signal");
+          "gains.convention.definition: another convention with the name 'own-definition'");
+  refused("y = -py", "y = -pw",
+          "gains.convention.definition:4: states: 'y = -pw' does not name a signal");
   refused("name = \\\"own-definition", "name = \\\"own-other",
           "gains.convention.definition: defines 'own-other', expected 'own-definition'");
 }

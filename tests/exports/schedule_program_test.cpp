@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gain schedules as programs in C: they compute what the library does.
+// Gain schedules as C programs compute the same as the library.
 #include "flight_code/schedule_program.hpp"
 
 #include <gmock/gmock.h>
@@ -35,7 +35,7 @@ using testing::ScheduleCase;
 using testing::TemporaryDirectory;
 using ::testing::ThrowsMessage;
 
-/// A schedule of K = (v + 10 r + 100 v r, 1), which multilinear interpolation meets everywhere.
+/// A schedule of K = (v + 10 r + 100 v r, 1), which multilinear interpolation reproduces exactly.
 GainSchedule bilinear_schedule() {
   GainSchedule schedule = random_schedule(
       {"bilinear",
@@ -116,7 +116,7 @@ TEST_P(ScheduleCode, InFloatIsTheLibrarysToRounding) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 1000; ++i) {
     const Eigen::VectorXd at = drawn_point(schedule, random);
-    // Whether a value lies on a point of the grid may be decided differently in the two.
+    // The two may disagree whether a value is exactly on a point of the grid.
     if (in_float.look_up(at.cast<float>()) == ScheduleStatus::no_gain) continue;
     if (in_double.look_up(at) == ScheduleStatus::no_gain) continue;
     EXPECT_LT((in_float.K.cast<double>() - in_double.K).cwiseAbs().maxCoeff(), 2e-5);
@@ -206,7 +206,7 @@ TEST(ScheduleCode, MayHaveANameLikeThoseOfTheSources) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
   GainSchedule schedule = bilinear_schedule();
-  schedule.states[0] = {"*/ #error /*", "*/"};  // in no comment
+  schedule.states[0] = {"*/ #error /*", "*/"};  // must not end a comment
   ExportContent content = schedule_content_of(schedule, false);
   content.flight_code.name = "qt_real";
   write_files(folder.path(), flight_code_files(content));
@@ -232,14 +232,14 @@ TEST(ScheduleCode, RefusesWhatIsNoProgram) {
   refusal([](ExportContent& c) { c.schedule->u0(0, 0) = -1e39; }, "u0: is -1e+39");
   refusal([](ExportContent& c) { c.schedule->axes[0].values[2] = 1e39; }, "speed: is 1e+39");
   refusal([](ExportContent& c) { c.schedule->axes[0].values[2] = 1 + 1e-12; },
-          "speed has 1.000000000001 after 1, which are one number in float");
+          "speed has 1.000000000001 after 1, which are the same number in float");
   refusal(
       [](ExportContent& c) {
         for (PointStatus& status : c.schedule->status) status = PointStatus::no_gain;
       },
       "has no gain at any of its points");
   refusal([](ExportContent& c) { c.flight_code.law = "state-feedback"; },
-          "the law 'state-feedback' came with a gain schedule, expected none");
+          "the law 'state-feedback' cannot be exported with a gain schedule");
   refusal([](ExportContent& c) { c.flight_code.adapter = "px4"; }, "the adapter 'px4' came");
   for (const char* name : {"int", "9a", "a-b", "replay", "replay_lines"})
     refusal([&](ExportContent& c) { c.flight_code.name = name; },
@@ -249,7 +249,7 @@ TEST(ScheduleCode, RefusesWhatIsNoProgram) {
   content.schedule->K(0, 1) = 1e39;
   content.schedule->axes[0].values[2] = 1 + 1e-12;
   EXPECT_NO_THROW((void)flight_code_files(content));
-  // Other exports hold no schedule.
+  // Other exporters do not support schedules.
   EXPECT_THAT([&] { (void)export_files(ExportKind::json, content); },
               ThrowsMessage<InvalidInput>(HasSubstr("a gain schedule came for 'json'")));
 }
@@ -275,7 +275,7 @@ TEST(ScheduleCode, IsVerifiedByItsText) {
       folder.write(file.path, changed);
       EXPECT_FALSE(verify_export(folder.path(), {}).ok()) << file.path;
       if (check().ok) {
-        // The residual and the reason of a point stand nowhere else.
+        // The residual and the reason of a point are in no other file.
         const GainSchedule now = read_schedule(folder.path() / kScheduleJsonName);
         EXPECT_TRUE(now.residual != schedule.residual || now.culprit != schedule.culprit)
             << file.path;

@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Numbers that a careless writer would lose, and a point without a gain.
+/// Numbers that an imprecise writer would change, and a point without a gain.
 GainSchedule sample(bool integrals = true) {
   std::vector<Signal> integrated;
   if (integrals) integrated = {{"x", "m s"}};
@@ -51,7 +51,7 @@ GainSchedule sample(bool integrals = true) {
   return schedule;
 }
 
-/// Equal to the sign of a zero; NaN where there is no gain.
+/// Equal including the sign of zero; NaN where there is no gain.
 void expect_same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   ASSERT_EQ(a.rows(), b.rows());
   ASSERT_EQ(a.cols(), b.cols());
@@ -71,7 +71,7 @@ class ScheduleTable : public ::testing::TestWithParam<TableFormat> {
   [[nodiscard]] std::string text(bool integrals = true) const {
     return schedule_text(sample(integrals), GetParam());
   }
-  /// Reading the sample with `from` replaced by `to` is refused in these words.
+  /// Checks that the sample with `from` replaced by `to` is rejected with this message.
   void refuses(const std::string& from, const std::string& to, const std::string& why) const {
     std::string broken = text();
     const std::size_t at = broken.find(from);
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ScheduleTable,
                            return format.param == TableFormat::toml ? "Toml" : "Json";
                          });
 
-/// What is wrong is named by its line.
+/// Errors name the line.
 TEST(ScheduleTomlTable, RefusesWithTheLine) {
   const std::string text = schedule_text(sample(), TableFormat::toml);
   const auto refuses = [&](const std::string& from, const std::string& to, const std::string& why) {
@@ -186,16 +186,16 @@ TEST_P(ScheduleTable, RefusesAConventionWhoseDefinitionItCannotHold) {
   schedule.convention = add_convention(own, "test").name;
   EXPECT_THAT([&] { (void)schedule_text(schedule, GetParam()); },
               ThrowsMessage<InvalidInput>(
-                  "schedule: uses the convention 'of-a-file', which comes from a file; expected a "
-                  "built-in convention because a table cannot hold a definition"));
+                  "schedule: uses the convention 'of-a-file', which is defined in a file; expected "
+                  "a built-in convention because a table cannot hold a definition"));
 }
 
 TEST(ScheduleTableFormat, IsThatOfTheName) {
   EXPECT_EQ(table_format("a/b.toml", "-o"), TableFormat::toml);
   EXPECT_EQ(table_format("b.json", "-o"), TableFormat::json);
   EXPECT_THAT([] { (void)table_format("a.toml/b.txt", "-o"); },
-              ThrowsMessage<InvalidInput>("-o: 'b.txt' does not tell the format, expected a name "
-                                          "that ends in .toml or .json"));
+              ThrowsMessage<InvalidInput>("-o: cannot determine the format from 'b.txt'; expected "
+                                          "a file name that ends in .toml or .json"));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ TEST(TextDifference, NamesTheFirstLineThatDiffers) {
 TEST(TextDifference, OfNumbersIsRelativeToTheLargestOfTheirLine) {
   EXPECT_THAT(numbers_apart("K = [1.0, 2e3]\n", "K = [1.0, 2e3]\n"), Optional(0.0));
   EXPECT_THAT(numbers_apart("1 1000\n7\n", "2 1000\n7\n"), Optional(DoubleNear(1e-3, 1e-15)));
-  // Rounding turns small numbers around, and columns keep their width.
+  // Rounding can change the sign of small numbers, and columns keep their width.
   EXPECT_THAT(numbers_apart("  1.0  -5e-17\n", "  1.0       0.0\n"),
               Optional(DoubleNear(5e-17, 1e-20)));
   EXPECT_THAT(numbers_apart("[-1, 2]", "[1, 2]"), Optional(DoubleNear(1, 1e-15)));

@@ -26,7 +26,7 @@ using testing::sampled_uquad;
 using testing::TemporaryDirectory;
 using ::testing::ThrowsMessage;
 
-// A gain whose every entry tells its row and column.
+// A gain whose entries encode their row and column.
 Gains numbered(const std::vector<std::string>& states, const std::vector<std::string>& integrals) {
   Gains gains;
   for (const std::string& name : states) gains.states.push_back({name, ""});
@@ -69,7 +69,7 @@ TEST(Uquad, PicksTheFilesOfEachBuild) {
               ElementsAre("K_prop_full_pptz.txt", "K_int_full_pptz.txt"));
 }
 
-// The pptz build integrates z between phi and theta, out of the order of the states.
+// The pptz build integrates z between phi and theta, unlike the order of the states.
 TEST(Uquad, PutsColumnsInTheOrderOfTheFile) {
   std::vector<std::string> turned = {"wqz",   "wqy", "wqx", "vqz", "vqy", "vqx",
                                      "theta", "phi", "psi", "z",   "y",   "x"};
@@ -89,7 +89,7 @@ TEST(Uquad, PutsColumnsInTheOrderOfTheFile) {
   EXPECT_EQ(Q_read(14, 14), 13);  // z stood first among the integrals
 }
 
-// Variances turn with the axes: of the uquad's own names, T diag(Q) Tᵀ.
+// Variances are converted with the axes: in the uquad's own names, T diag(Q) Tᵀ.
 TEST(Uquad, TurnsTheFiltersDiagonals) {
   UquadFilterSettings<double> settings;
   for (int i = 0; i < kUquadStates; ++i) settings.Q(i) = i + 1;
@@ -98,7 +98,7 @@ TEST(Uquad, TurnsTheFiltersDiagonals) {
   const Eigen::MatrixXd turned =
       T * Eigen::MatrixXd(settings.Q.head<12>().asDiagonal()) * T.transpose();
   EXPECT_THAT(noise.Q.head(12), MatrixNear(turned.diagonal(), 0));
-  // The accelerometer lies along the axes of the body's velocity.
+  // The accelerometer's axes are those of the body's velocity.
   EXPECT_THAT(noise.Q.tail(3), MatrixNear(noise.Q.segment(6, 3).array() + 6, 0));
   EXPECT_THAT(noise.R, MatrixNear((Eigen::VectorXd(16) << 10, 10, 1000, 1e4, 1e4, 1e4, 100, 100,
                                    100, 1000, 100, 100, 100, 100, 100, 100)
@@ -128,7 +128,7 @@ TEST(Uquad, SaysWhichBuildsExist) {
   refusal(gains, "K has nan at (2,3), expected finite numbers");
 }
 
-// As the flight program reads: fscanf("%lf") of rows × columns numbers.
+// Read like in the flight program: fscanf("%lf") of rows × columns numbers.
 TEST(UquadText, ScansBackToTheSameDoubles) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-30, 30);
@@ -170,14 +170,14 @@ TEST(UquadText, RefusesWhatTheFlightProgramWouldMisread) {
   refusal("1 2\n3 4\n5 6\n", "K.txt:3: has more than 2 rows, expected 2x2");
   refusal("1 2\n", "K.txt: ends after 1 rows, expected 2x2");
   refusal("", "K.txt: ends after 0 rows, expected 2x2");
-  refusal("1 2\n3 nan\n", "K.txt:2: 'nan' came, expected a finite number");
-  refusal("1 2\n3 -inf\n", "K.txt:2: '-inf' came, expected a finite number");
-  refusal("1 2\n3 1e999\n", "K.txt:2: '1e999' came, expected a finite number");
+  refusal("1 2\n3 nan\n", "K.txt:2: 'nan' is not a finite number");
+  refusal("1 2\n3 -inf\n", "K.txt:2: '-inf' is not a finite number");
+  refusal("1 2\n3 1e999\n", "K.txt:2: '1e999' is not a finite number");
   refusal("1 2\n3 4,5\n", "K.txt:2: '4,5' has a comma, expected a decimal point");
-  refusal("% K\n1 2\n3 4\n", "K.txt:1: '%' came, expected a finite number");
-  refusal("1 2\n3 4.0000e\n", "K.txt:2: '4.0000e' came, expected a finite number");
+  refusal("% K\n1 2\n3 4\n", "K.txt:1: '%' is not a finite number");
+  refusal("1 2\n3 4.0000e\n", "K.txt:2: '4.0000e' is not a finite number");
   refusal("1 2 3 4\n", "K.txt:1: has 4 numbers, expected 2");
-  refusal("1 +-2\n3 4\n", "K.txt:1: '+-2' came, expected a finite number");
+  refusal("1 +-2\n3 4\n", "K.txt:1: '+-2' is not a finite number");
 }
 
 TEST(UquadText, AcceptsWhatScanningAccepts) {

@@ -54,7 +54,7 @@ VerifyModel mambo_model() {
   return {sampled_mambo(), mambo_content().gains->x0, mambo_content().gains->u0};
 }
 
-// What the cascade of mambo_content() is closed around: the same hover in ned, all states measured.
+// The plant of the cascade in mambo_content(): the same hover in ned, all states measured.
 VerifyFacts mambo_facts() {
   const DiscreteLti mambo = sampled_mambo();
   const Convention& c = convention("mambo", "test");
@@ -70,17 +70,17 @@ VerifyFacts mambo_facts() {
   return facts;
 }
 
-// mambo_content() with the plant from which the poles of its cascade go into the manifest.
+// mambo_content() with the plant from which the poles of its cascade are computed.
 ExportContent mambo_with_cascade() {
   ExportContent content = mambo_content();
   content.cascade_plant = mambo_facts().cascade_plant;
   return content;
 }
 
-// How far a forger goes: changes the file; mends its hash; mends the manifest's gains as well.
+// Degree of a forgery: changes the file; also fixes its hash; also fixes the manifest's gains.
 enum class Forgery { file, hash, gains };
 
-// Changes a file of a written export, and the manifest as far as asked.
+// Changes a file of a written export, and the manifest to the given degree.
 void forge(const TemporaryDirectory& directory, const std::string& name, Forgery forgery,
            const std::function<std::string(std::string)>& change) {
   const std::string before = directory.read(name);
@@ -210,7 +210,7 @@ TEST(Verify, NoticesEveryMutationHoweverItIsCoveredUp) {
     }
 }
 
-// Without any manifest the flight program's own reading and the vehicle still tell the worst.
+// Even without a manifest, reading like the flight program and the vehicle model detect the worst.
 TEST(Verify, SeesAWrongSignByTheVehicleAlone) {
   const TemporaryDirectory directory;
   ExportContent content = uquad_content();
@@ -234,7 +234,7 @@ TEST(Verify, NoticesMissingAndForeignFiles) {
   EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())), Contains("manifest"));
 }
 
-// It waited for ever.
+// Reading a pipe would block forever.
 TEST(Verify, NoticesAPipeInThePlaceOfAFile) {
   const TemporaryDirectory directory;
   const std::vector<ManifestFile> files =
@@ -271,7 +271,7 @@ TEST(Verify, NoticesChangedNumbersInParameterFiles) {
     }
 }
 
-// A thrust at the trim that is not the vehicle's weight lets it drop, however good K is.
+// If the thrust at the trim is not the vehicle's weight, it falls, however good K is.
 TEST(Verify, NoticesAnotherTrimInTheManifest) {
   const std::vector<std::pair<std::string, std::function<void(Gains&)>>> changes = {
       {"u0(w2) is 300", [](Gains& gains) { gains.u0(1) = 300; }},
@@ -366,7 +366,7 @@ TEST(Verify, NoticesAnotherCascade) {
   EXPECT_THAT(failed(verify_export(directory.path(), mambo_model(), mambo_facts())),
               ElementsAre("cascade is that of the manifest",
                           "poles of the cascade are those of the manifest"));
-  // A manifest that does not know of the cascade does not vouch for it.
+  // A manifest without the cascade cannot confirm it.
   Manifest manifest = read_manifest(directory.path());
   manifest.cascade.reset();
   directory.write(kManifestName, manifest_text(manifest));
@@ -410,7 +410,7 @@ TEST(Verify, ComparesTheInputsThatAreAtHand) {
   EXPECT_EQ(checked({{"uquad-hover.toml", "", "abc"}}), "ok uquad-hover.toml as listed");
   EXPECT_THAT(checked({{"uquad-hover.toml", "there/uquad-hover.toml", "abd"}}),
               HasSubstr("FAIL there/uquad-hover.toml has 3 bytes and SHA-256 "));
-  // Of two with one name, the one that it was.
+  // If two have the same name, one of them must match.
   EXPECT_EQ(checked({{"uquad-hover.toml", "", "abd"}, {"uquad-hover.toml", "", "abc"}}),
             "ok uquad-hover.toml as listed");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The kept inputs of the fuzz targets, in the ordinary build: each is read or refused.
+/// The stored inputs of the fuzz targets, in the ordinary build: each is read or rejected.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-// A broken promise ends the program, so the name of the input is told before it is read.
+// A violated contract ends the program, so the name of the input is printed before it is read.
 void expect_all_read_or_refused(const fuzz::Target& target, const fs::path& folder) {
   const std::vector<fs::path> files = files_in(folder);
   EXPECT_FALSE(files.empty()) << folder;
@@ -43,7 +43,7 @@ TEST(FuzzCorpus, IsReadOrRefused) {
     expect_all_read_or_refused(target, corpus / target.name);
 }
 
-// Nothing lies in a folder that no target reads.
+// Every folder belongs to a target.
 TEST(FuzzCorpus, HasAFolderForEachTarget) {
   const fs::path corpus = fs::path(testing::source_folder()) / "tests/fuzz/corpus";
   for (const fs::path& folder : files_in(corpus))

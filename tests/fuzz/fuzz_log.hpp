@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads any bytes as a log and stops the program where a promise of LogReader is broken.
+/// Reads arbitrary bytes as a log and aborts if the contract of LogReader is violated.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What each fuzz target does with an input; also what the kept corpus goes through in every test.
+/// The function that each fuzz target calls with an input; every test run also calls it with the
+/// stored corpus.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@
 
 namespace quadtune::fuzz {
 
-/// What a user may say of a text: the first line of the input is the list, the rest the text.
+/// The options of a text: the first line of the input is the list, the rest the text.
 inline void columns(std::string_view bytes) {
   const std::size_t feed = bytes.find('\n');
   if (feed == std::string_view::npos) return;
@@ -27,12 +28,12 @@ inline void columns(std::string_view bytes) {
   read(bytes.substr(feed + 1), options);
 }
 
-/// Within 4 MiB.
+/// At most 4 MiB.
 inline void mat(std::string_view bytes) {
-  constexpr std::size_t kMost = std::size_t{1} << 22U;
+  constexpr std::size_t kMax = std::size_t{1} << 22U;
   internal::ByteStream stream(bytes, "f");
   try {
-    const internal::MatContent content = internal::decode_mat(stream, kMost);
+    const internal::MatContent content = internal::decode_mat(stream, kMax);
     for (const internal::MatTable& table : content.tables) {
       for (const std::vector<double>& column : table.columns)
         require(column.size() == table.rows(), "columns have one length");

@@ -18,10 +18,10 @@ void write(const std::filesystem::path& folder, const std::string& name, const s
 
 // The target that reads a format.
 std::string target_of(const std::string& format) {
-  return format.substr(0, format.find('-'));  // both of the uquad's are read by one
+  return format.substr(0, format.find('-'));  // one reader reads both formats of the uquad
 }
 
-// Texts that end, divide or spell otherwise than a reader hopes for.
+// Texts with unexpected ends, separators or spellings.
 void write_crafted_texts(const std::filesystem::path& root) {
   using std::string_literals::operator""s;
   const std::filesystem::path text = root / "text";
@@ -53,7 +53,7 @@ void write_crafted_texts(const std::filesystem::path& root) {
         "5 10 1 2 3 4 5 6 7 8 9 288 100947\n4 10 1 2 3 4 5 6 7 8 9 288 100947\n");
 }
 
-// Definitions that contradict themselves, sizes that do not fit.
+// Contradictory definitions, wrong sizes.
 void write_crafted_ulogs(const std::filesystem::path& folder) {
   using quadtune::testing::packed;
   using quadtune::testing::UlogWriter;
@@ -84,7 +84,7 @@ void write_crafted_ulogs(const std::filesystem::path& folder) {
   write(folder, "appended-far-away", bytes);
 }
 
-// Claims of a MAT file that its bytes do not keep.
+// MAT files whose headers contradict their contents.
 void write_crafted_mats(const std::filesystem::path& folder) {
   using quadtune::testing::MatWriter;
   write(folder, "empty", "");

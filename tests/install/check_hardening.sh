@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What the linker made of the program and its libraries in BUILD: addresses that are drawn at each
-# start, no writable table of functions, no executable stack, canaries. FORTIFIED is 1 where sizes
-# are checked in the C library.
+# Properties of the linked program and its libraries in BUILD: addresses that are randomized at each
+# start, no writable table of functions, no executable stack, canaries. FORTIFIED is 1 if sizes are
+# checked in the C library.
 set -euo pipefail
 status=0
 
@@ -25,7 +25,7 @@ for file in "$BUILD"/bin/quadtune "$BUILD"/lib/libquadtune_*.so; do
   [ "$name" = quadtune ] || expect "$name" "has no canaries" '__stack_chk_fail' <<<"$symbols"
 done
 expect quadtune "is no PIE" 'FLAGS_1.*PIE' <<<"$(readelf -dW "$BUILD/bin/quadtune")"
-# Where all sizes are known to be right nothing of it is seen in a library; the commands tell.
+# If all sizes are known to be valid, a library does not show it; the compile commands do.
 if [ "$FORTIFIED" = 1 ]; then
   sources='"command": .* -c [^ ]*/(lib|linearize|discretize|synthesis|tuning|exports|workbench|cli)/[^ ]*\.cpp'
   compiled=$(grep -Ec "$sources" "$BUILD/compile_commands.json")

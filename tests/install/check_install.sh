@@ -4,10 +4,10 @@
 # BUILD is the build tree, WORK a folder of this test's own, VERSION what is expected.
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
-# Moved after installing: nothing in the installed tree may remember where it was put.
+# Moved after the installation: the installed tree must not depend on its location.
 prefix=$WORK/moved
 
-# What `program` prints must be what the project's version is, then "ok" (see outside/main.cpp).
+# The output of `program` must be the project's version, then "ok" (see outside/main.cpp).
 expect_output() {
   local output
   output=$("$1") || true

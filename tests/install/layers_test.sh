@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Which layer includes which: layers_test.sh SOURCE. The compiler and the linker hold the shared
-# libraries apart; report/ and cli/ are static and see the root of the sources, so this looks at them too.
+# Which layer includes which: layers_test.sh SOURCE. The compiler and the linker separate the shared
+# libraries; report/ and cli/ are static and see the root of the sources, so this test examines them
+# too.
 set -euo pipefail
 cd "$1"
 bad=0
 
-# refuse FOLDER PATTERN WHY: no source of the folder includes what matches.
+# refuse FOLDER PATTERN WHY: fails if a source of the folder includes a match.
 refuse() {
   if grep -rnE "#include [<\"]$2" "$1" --include='*.cpp' --include='*.hpp'; then
     echo "$1/ includes the above: $3"

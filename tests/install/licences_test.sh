@@ -3,7 +3,7 @@
 # licences_test.sh PROGRAM SOURCE: the table under "## Licence" of docs/licences.md names every library that
 # the program needs, its own and theirs, and every library whose headers are compiled in.
 #
-# It may name more, such as other builds of one library.
+# It may name more, e.g. other builds of one library.
 set -euo pipefail
 program=$1
 source=$2
@@ -29,7 +29,7 @@ needs_of() {
 }
 needs_of "$program"
 
-# Breadth first over what each file asks for by itself.
+# Breadth first over the direct dependencies of each file.
 queue=("$program")
 while ((${#queue[@]} > 0)); do
   file=${queue[0]}
@@ -46,7 +46,7 @@ if ((${#seen[@]} < 10)); then
   exit 1
 fi
 
-# What is linked statically, or compiled in from headers.
+# Libraries that are linked statically, or compiled in from headers.
 while read -r prefix word; do
   if grep -rqE "#include <$prefix" --include='*.cpp' --include='*.hpp' \
     "$source"/{lib,linearize,discretize,synthesis,tuning,exports,workbench,cli}; then

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The program with each variant of its libraries that this machine can run: variants_test.sh PROGRAM.
-# It says which it has loaded, and a flight has the same bytes with each of them.
+# The program with each variant of its libraries that this machine can run: variants_test.sh
+# PROGRAM. It must report the loaded variant, and a flight must have the same bytes with each of
+# them.
 set -euo pipefail
 program=$1
 loader=$(readelf -l "$program" | sed -n 's/.*program interpreter: \(.*\)\]/\1/p')
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The variants that the loader would take here, and the name of each in `quadtune --version`.
+# The variants that the loader would select here, and the name of each in `quadtune --version`.
 names=(none baseline)
 for variant in "x86-64-v3 AVX2" "x86-64-v4 AVX-512"; do
   if "$loader" --help | grep -q "${variant% *} (supported"; then
@@ -16,7 +17,8 @@ for variant in "x86-64-v3 AVX2" "x86-64-v4 AVX-512"; do
   fi
 done
 
-# Laws that all of them fly: designed by one, as kernels that solve equations agree to rounding only.
+# The laws that all variants fly, designed by one of them, because kernels that solve equations
+# agree only up to rounding.
 here=$(dirname "$(readlink -f "$0")")
 cp "$here/../../vehicles/hexa-550.toml" "$work"
 cd "$work"

@@ -27,7 +27,7 @@ TEST(LeastNorm, GivesTheRestToThoseBelowTheirBound) {
               MatrixNear(Eigen::Vector4d(0.2, 0.6, 0.6, 0.6), 1e-14));
 }
 
-// The shortest point is no longer than any other feasible one: f·(y - f) ≥ 0 for feasible y.
+// Optimality of the least norm among feasible points: f·(y - f) ≥ 0 for feasible y.
 TEST(LeastNorm, NoOtherSharingWithinTheBoundsIsShorter) {
   std::mt19937_64 random(31);
   std::uniform_real_distribution<double> unit(0, 1);

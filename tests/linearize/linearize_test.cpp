@@ -177,7 +177,7 @@ TEST(Linearize, ConventionsHoldTheSameSystem) {
     EXPECT_THAT(M.transpose() * other.plant.B, MatrixNear(ned.plant.B, 1e-15));
     EXPECT_THAT(other.x0, MatrixNear(M * ned.x0, 0));
     EXPECT_THAT(other.x0_rate, MatrixNear(M * ned.x0_rate, 0));
-    // Similar matrices: one characteristic polynomial, taken at a few points.
+    // Similar matrices have the same characteristic polynomial, evaluated at a few points.
     for (const std::complex<double> s : {std::complex<double>(1, 2), {-3, 1}, {0.5, 0}}) {
       const Eigen::MatrixXcd I = Eigen::MatrixXcd::Identity(12, 12);
       const std::complex<double> a = (s * I - ned.plant.A).determinant();
@@ -238,7 +238,7 @@ TEST(Linearize, WithoutPositionKeepsTheEightStatesOfTheUquad) {
             "phi theta psi phidot thetadot psidot pz pzdot");
 }
 
-TEST(Linearize, AListKeepsItsOrderAndTellsWhatItLeavesOut) {
+TEST(Linearize, AListKeepsItsOrderAndNotesOmittedStates) {
   LinearizeOptions options = in("uquad");
   options.states = list({"wqz", "theta"});
   const Linearization yaw = linearize(plus_quadrotor(), kHover, options);
@@ -249,7 +249,7 @@ TEST(Linearize, AListKeepsItsOrderAndTellsWhatItLeavesOut) {
               ElementsAre("vqx depends on phi, which is not among the states"));
 }
 
-TEST(Linearize, ACircleTellsThatItsAxesTurn) {
+TEST(Linearize, ACircleNotesThatItsAxesRotate) {
   const FlightCondition circle = {FlightKind::circle, 0, 2, 0, 4};
   EXPECT_THAT(linearize(plus_quadrotor(), circle).notes,
               ElementsAre("deviations of px, py are along axes that turn with the heading, at 0.5 "
@@ -276,12 +276,13 @@ TEST(Linearize, RefusesBadSelections) {
       (void)linearize(plus_quadrotor(), kHover, options);
     };
   };
-  EXPECT_THAT(refusal({"z", "thetta"}),
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "linearize: no state 'thetta' in convention 'uquad', expected some of x y z psi "
-                  "phi theta vqx vqy vqz wqx wqy wqz; did you mean 'theta'?")));
+  EXPECT_THAT(
+      refusal({"z", "thetta"}),
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "linearize: no state 'thetta' in convention 'uquad', expected names from x y z psi "
+          "phi theta vqx vqy vqz wqx wqy wqz; did you mean 'theta'?")));
   EXPECT_THAT(refusal({"z", "z"}),
-              ThrowsMessage<InvalidInput>(HasSubstr("state 'z' is named twice")));
+              ThrowsMessage<InvalidInput>(HasSubstr("state 'z' is listed twice")));
   EXPECT_THAT(refusal({}), ThrowsMessage<InvalidInput>(HasSubstr("the list of states is empty")));
   EXPECT_THAT([] { (void)linearize(plus_quadrotor(), kHover, in("uqad")); },
               ThrowsMessage<InvalidInput>(HasSubstr("no convention 'uqad'")));
@@ -292,7 +293,7 @@ TEST(StateSelection, ReadsWordsAndLists) {
   EXPECT_EQ(state_selection("no-position", "--states").kind, StateSelection::Kind::no_position);
   EXPECT_THAT(state_selection("z, vqz theta", "--states").names, ElementsAre("z", "vqz", "theta"));
   EXPECT_THAT([] { (void)state_selection(" ,", "--states"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("--states: ' ,' names no state")));
+              ThrowsMessage<InvalidInput>(HasSubstr("--states: ' ,' does not name a state")));
 }
 
 }  // namespace

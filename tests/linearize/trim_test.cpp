@@ -36,9 +36,9 @@ FlightCondition circle(double radius, double speed, double climb = 0, double yaw
   return {.kind = FlightKind::circle, .yaw = yaw, .speed = speed, .climb = climb, .radius = radius};
 }
 
-Vehicle with_limits(Vehicle vehicle, double least, double greatest) {
-  vehicle.motor.min = least;
-  vehicle.motor.max = greatest;
+Vehicle with_limits(Vehicle vehicle, double min, double max) {
+  vehicle.motor.min = min;
+  vehicle.motor.max = max;
   return vehicle;
 }
 
@@ -90,8 +90,8 @@ TEST(Trim, HoverOfTheUquadIsThePublishedSpeedAtAnyYaw) {
     EXPECT_NEAR(result.tilt, 0, 1e-7);
     EXPECT_NEAR(result.thrust.sum(), 1.741 * 9.81, 1e-11);
   }
-  const double greatest = 4 * (4.60160135072435e-5 * 387 * 387 - 0.00103822726273726 * 387);
-  EXPECT_NEAR(trim(plus_quadrotor(), hover()).thrust_to_weight, greatest / (1.741 * 9.81), 1e-14);
+  const double max = 4 * (4.60160135072435e-5 * 387 * 387 - 0.00103822726273726 * 387);
+  EXPECT_NEAR(trim(plus_quadrotor(), hover()).thrust_to_weight, max / (1.741 * 9.81), 1e-14);
 }
 
 TEST(Trim, HoverOfTheMamboIsThePublishedCommand) {
@@ -244,7 +244,7 @@ TEST(Trim, RotorsAtALimitLeaveTheRestToOthers) {
   EXPECT_GT(bounded.thrust.norm(), free.thrust.norm());
 }
 
-TEST(Trim, TooHeavySaysHowManyNewtonsAreShort) {
+TEST(Trim, TooHeavyReportsTheMissingThrust) {
   Vehicle vehicle = plus_quadrotor();
   vehicle.mass = 4;
   const TrimResult result = trim(vehicle, hover());
@@ -311,7 +311,7 @@ TEST(Trim, ASpinIsTheLimitOfTightCircles) {
   EXPECT_THAT(on_the_spot.x, MatrixNear(tight.x, 1e-6));
 }
 
-TEST(Trim, RefusesSpinsThatAreNone) {
+TEST(Trim, RejectsInvalidSpins) {
   const auto refuses = [](const FlightCondition& condition, const std::string& why) {
     EXPECT_THAT([&] { (void)trim(plus_quadrotor(), condition); },
                 ThrowsMessage<InvalidInput>(HasSubstr(why)));
@@ -320,8 +320,8 @@ TEST(Trim, RefusesSpinsThatAreNone) {
   refuses(spin(std::nan("")), "yaw rate is nan");
   refuses({.kind = FlightKind::spin, .speed = 1, .yaw_rate = 1}, "speed is 1 m/s, expected 0");
   refuses({.kind = FlightKind::circle, .speed = 1, .radius = 1, .yaw_rate = 1},
-          "yaw rate is 1 rad/s, expected none for a circle because it is speed/radius");
-  refuses({.kind = FlightKind::hover, .yaw_rate = 1}, "expected none for a hover");
+          "yaw rate is 1 rad/s, expected 0 for a circle because it is speed/radius");
+  refuses({.kind = FlightKind::hover, .yaw_rate = 1}, "expected 0 for a hover");
 }
 
 TEST(Trim, TooTightACircleHasNoTrim) {
@@ -340,10 +340,10 @@ TEST(Trim, OneRotorTooFastIsNamed) {
                                     HasSubstr("limit 360.0 rad/s")));
 }
 
-TEST(Trim, RotorsBelowTheirLeastSpeedAreNamed) {
+TEST(Trim, RotorsBelowTheirMinimumSpeedAreReported) {
   const TrimResult result = trim(with_limits(plus_quadrotor(), 330, 387), hover());
   EXPECT_EQ(result.status, TrimStatus::rotor_too_slow);
-  EXPECT_THAT(result.culprit, HasSubstr("would have to turn at 316.1 rad/s, least 330.0 rad/s: "
+  EXPECT_THAT(result.culprit, HasSubstr("would have to turn at 316.1 rad/s, minimum 330.0 rad/s: "
                                         "13.9 rad/s too slow"));
 }
 
@@ -369,7 +369,7 @@ TEST(Trim, RotorsThatAllTurnOneWayCannotBalanceYaw) {
   const TrimResult result = trim(vehicle, hover());
   EXPECT_EQ(result.status, TrimStatus::no_authority);
   EXPECT_THAT(result.culprit, HasSubstr("yaw cannot be balanced: rotors that carry the weight "
-                                        "leave 1.22 N m about it"));
+                                        "leave a torque of 1.22 N m"));
 }
 
 TEST(Trim, TooFewRotorsHaveNoAuthority) {
@@ -418,11 +418,11 @@ TEST(Trim, RefusesConditionsThatAreNoFlight) {
   EXPECT_THAT(refusal(circle(3, 0)), ThrowsMessage<InvalidInput>(HasSubstr("speed is 0 m/s")));
   FlightCondition moving = hover();
   moving.speed = 3;
-  EXPECT_THAT(refusal(moving), ThrowsMessage<InvalidInput>(HasSubstr("a hover at speed 3 m/s")));
+  EXPECT_THAT(refusal(moving), ThrowsMessage<InvalidInput>(HasSubstr("the hover has speed 3 m/s")));
   FlightCondition bent = line(3);
   bent.radius = 5;
   EXPECT_THAT(refusal(bent),
-              ThrowsMessage<InvalidInput>(HasSubstr("radius is 5 m, expected none for a line")));
+              ThrowsMessage<InvalidInput>(HasSubstr("radius is 5 m, expected 0 for a line")));
   EXPECT_THAT([] { (void)trim(plus_quadrotor(), hover(), {.density_ratio = 0}); },
               ThrowsMessage<InvalidInput>(HasSubstr("density ratio is 0")));
   EXPECT_THAT([] { (void)trim(plus_quadrotor(), hover(), {.max_iterations = 0}); },

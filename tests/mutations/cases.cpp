@@ -22,7 +22,7 @@ bool has(const Command& command, const std::string& word) {
   return std::find(command.begin(), command.end(), word) != command.end();
 }
 
-/// The words that a command line begins with, as help calls the command.
+/// The first words of a command line, i.e. the name of the command.
 std::string name_of(const Command& command) {
   if (command.size() > 1 &&
       (command[0] == "tune" || command[0] == "campaign" || command[0] == "link"))
@@ -30,7 +30,7 @@ std::string name_of(const Command& command) {
   return command[0];
 }
 
-/// A number that is none within what must hold numbers only.
+/// Whether an array contains null, which stands for NaN.
 bool lacks_number(const SortedJson& json) {
   if (json.is_null()) return true;
   return json.is_structured() && std::any_of(json.begin(), json.end(), lacks_number);
@@ -48,13 +48,13 @@ std::string matrix_without_number(const SortedJson& json) {
 }
 
 std::string json_complaint(const Command& command, const testing::ProgramResult& result) {
-  // Where the answer goes into a file nothing is printed but an error.
+  // If the output goes to a file, only an error is printed.
   if (result.out.empty() && has(command, "-o") && result.status <= 1) return "";
   const SortedJson json = SortedJson::parse(result.out, nullptr, false);
   if (json.is_discarded()) return "prints what is no JSON";
   if (!json.is_object()) return "prints another JSON than an object";
   const bool error = json.contains("error") && json["error"].is_object();
-  // A no before there is an answer is told as an error.
+  // A negative answer before there is a result is reported like an error.
   if (result.status == 0 || (result.status == 1 && !error)) {
     if (error) return "prints an error and ends as if there were none";
     if (const std::string key = matrix_without_number(json); !key.empty())
@@ -62,7 +62,7 @@ std::string json_complaint(const Command& command, const testing::ProgramResult&
     return "";
   }
   if (!error) {
-    // A search that had its answer prints that.
+    // A search that has a result prints it.
     const bool answered = result.status == 5 || result.status == 130;
     return answered ? "" : "prints JSON without its error";
   }
@@ -85,7 +85,7 @@ Cases::Cases(std::vector<Kind> kinds, std::map<std::string, std::vector<std::str
     : kinds_(std::move(kinds)), options_(std::move(options)), seed_(seed) {}
 
 const Kind& Cases::kind_of(std::uint64_t number) const {
-  // Shifted at each round, so that each part of the numbers meets all kinds.
+  // Shifted in each round, so that each part of the numbers is used with all kinds.
   return kinds_[(number + number / kinds_.size()) % kinds_.size()];
 }
 
@@ -140,7 +140,7 @@ std::string complaint(const Command& command, const testing::ProgramResult& resu
     return fmt::format("ends with {} and does not say why", status);
   if (status != 0 && quiet && lines != 1)
     return fmt::format("says in {} lines why it ended with {}", lines, status);
-  // A help that was asked for is text.
+  // Requested help is text.
   if (has(command, "--json") && !has(command, "--man") && !has(command, "--completion") &&
       !has(command, "--version"))
     return json_complaint(command, result);

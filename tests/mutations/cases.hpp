@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Cases: a mutated input with the commands that get it, and what may not come of it.
+/// Cases: a mutated input with the commands that read it, and the checks of their results.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct Case {
   std::vector<Command> commands;  ///< "@" stands for the folder of the files
 };
 
-/// Makes cases; a case depends on its seed and number alone.
+/// Generates cases; a case depends only on its seed and number.
 class Cases {
  public:
   Cases(std::vector<Kind> kinds, std::map<std::string, std::vector<std::string>> options,
@@ -30,7 +30,7 @@ class Cases {
   [[nodiscard]] Case make(std::uint64_t number) const;
   [[nodiscard]] const Kind& kind_of(std::uint64_t number) const;
   [[nodiscard]] const std::vector<Kind>& kinds() const { return kinds_; }
-  /// Every input unchanged: case i is sample i of all, with all its commands.
+  /// The unchanged inputs: case i is sample i of all, with all its commands.
   [[nodiscard]] std::vector<Case> unchanged() const;
 
  private:
@@ -39,9 +39,9 @@ class Cases {
   std::uint64_t seed_;
 };
 
-/// What is not as documented in how a command ended; empty where all is.
-/// @param asked_to_stop  a signal came
-/// @param files          that it got: a text `nan` in one may be printed
+/// The deviation from the documentation in how a command ended; empty if there is none.
+/// @param asked_to_stop  whether a signal was sent
+/// @param files          its files: a text `nan` in one may be printed
 [[nodiscard]] std::string complaint(const Command& command, const testing::ProgramResult& result,
                                     bool asked_to_stop, const Files& files = {});
 

@@ -85,7 +85,7 @@ Kind command_lines() {
       {"export", "@/none.toml", "--to", "json", "-o", "@/out"},
       {"verify", "@/none"},
       {"diff", "@/none", "@/none"},
-      // Not `link send`: what is changed in it could be the address of somebody's vehicle.
+      // Not `link send`: a changed address could be that of somebody's vehicle.
       {"link", "encode", "move", "10", "-20", "30", "-40", "--firmware", "native", "--sequence",
        "7"},
       {"link", "decode", "0e", "00", "00", "00", "e2", "ff", "ff", "ff", "--firmware", "simulink"},

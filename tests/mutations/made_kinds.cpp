@@ -28,7 +28,7 @@ Files files_of(const fs::path& folder) {
   return files;
 }
 
-/// What the program writes into `folder/out`, under other names: "e/…".
+/// The files that the program writes into `folder/out`, under other names: "e/…".
 Files made(const fs::path& folder, const Files& inputs, const std::vector<Command>& commands) {
   fs::remove_all(folder);
   fs::create_directories(folder);
@@ -92,7 +92,7 @@ std::vector<Command> export_commands(const std::string& vehicle, bool flies) {
   return commands;
 }
 
-/// The export beside itself, unchanged: what `diff` compares with.
+/// An unchanged copy of the export, for comparison by `diff`.
 Sample export_sample(Files files, const std::string& target, Format format,
                      const std::string& vehicle) {
   Files all = files;
@@ -101,7 +101,7 @@ Sample export_sample(Files files, const std::string& target, Format format,
   return sample;
 }
 
-/// The manifest is told what a file has become: else its hash is all that anybody looks at.
+/// Updates the hash of a file in the manifest; otherwise only the hash would be checked.
 void mend_manifest(Files& files, const std::string& target) {
   const auto manifest = files.find("e/manifest.json");
   if (manifest == files.end()) return;
@@ -139,7 +139,7 @@ std::vector<Kind> exports(const fs::path& folder) {
     kind.samples.push_back(sample);
   };
   add(gains, json, "e/gains.json", Format::json, "uquad");
-  // Without the manifest nothing is compared with it.
+  // Without the manifest, no comparison with it.
   gains.samples.push_back(
       {{{"g.json", json.at("e/gains.json")}, {"right.json", json.at("e/gains.json")}},
        "g.json",
@@ -204,7 +204,7 @@ std::vector<Kind> campaigns(const fs::path& folder) {
   return {plans, records};
 }
 
-/// Files that the library alone reads; the first word says with what.
+/// Files that only the library reads; the first word names the function.
 Kind schedules(const fs::path& folder) {
   const Command lqr = {"lqr", "uquad", "--schedule", "speed=0:1:1,mass=0.9:0.2:1.1",
                        "--R", "0.01",  "--states",   "no-position",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mutations: gives the program changed inputs of every kind and tells where it does not end as
-/// documented. See README.md.
+/// mutations: runs the program with changed inputs of every kind and reports where it does not end
+/// as documented. See README.md.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -19,8 +19,8 @@
 #include "sanitized.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-// What a file claims to hold is asked for: that there is no such memory is then an error of the
-// program's, as without the sanitizer.
+// The program allocates the size that a file claims. That this fails must be an error of the
+// program, as without the sanitizer.
 extern "C" const char* __asan_default_options() {
   return "allocator_may_return_null=1:max_allocation_size_mb=2048:detect_leaks=0";
 }
@@ -95,7 +95,7 @@ Arguments arguments_of(int argc, char** argv) {
   return arguments;
 }
 
-/// The input and the command stay, to be tried again.
+/// The input and the command are kept, to be run again.
 void keep(const Finding& finding, const Arguments& arguments) {
   const fs::path folder =
       fs::absolute(arguments.findings) / fmt::format("{}-{}", finding.of.seed, finding.of.number);
@@ -112,7 +112,7 @@ void keep(const Finding& finding, const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  // In memory where there is some: the files of a case live for milliseconds.
+  // In memory if possible: the files of a case exist for milliseconds.
   const fs::path memory = "/dev/shm";
   std::error_code ignored;
   const bool roomy = ::access(memory.c_str(), W_OK) == 0 &&

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Changes of a valid input that know how it is built.
+/// Changes of a valid input that respect its structure.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace quadtune::mutations {
 
-/// How an input is built.
+/// The structure of an input.
 enum class Format {
   toml,
   json,
@@ -24,7 +24,7 @@ enum class Format {
 [[nodiscard]] std::string mutated(const std::string& bytes, Format format, Random& random);
 
 /// A command line with one to three changes.
-/// @param options  words that the command knows
+/// @param options  options of the command
 [[nodiscard]] std::vector<std::string> mutated_words(std::vector<std::string> words,
                                                      const std::vector<std::string>& options,
                                                      Random& random);
@@ -41,9 +41,9 @@ void change_ulog(std::string& bytes, Random& random);
 void change_mat(std::string& bytes, Random& random);
 void change_records(std::string& bytes, Random& random);
 
-/// Numbers at which programs fail, and words that look like some.
+/// Numbers at which programs fail, and words that look like numbers.
 [[nodiscard]] const std::vector<std::string>& odd_numbers();
-/// Texts that trouble somebody, ready to be put between quotes.
+/// Texts that are difficult for some format, ready to be put between quotes.
 [[nodiscard]] const std::vector<std::string>& odd_texts();
 
 }  // namespace quadtune::mutations

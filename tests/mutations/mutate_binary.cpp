@@ -44,7 +44,7 @@ Number odd_count(Number right, Random& random) {
   }
 }
 
-/// Any of these bytes replaced by a part of another length.
+/// Replaces some of these bytes by a part of another length.
 void replace(std::string& bytes, std::size_t at, std::size_t length, const std::string& by) {
   bytes.replace(std::min(at, bytes.size()), length, by);
 }
@@ -68,7 +68,7 @@ std::vector<Message> messages_of(const std::string& bytes) {
   return all;
 }
 
-/// The text of a message gets another length, which its head is told.
+/// Changes the length of the text of a message, and its header accordingly.
 void change_definition(std::string& bytes, const Message& message, Random& random) {
   static const std::vector<std::string> types = {"uint64_t",
                                                  "int8_t",
@@ -119,7 +119,7 @@ void change_definition(std::string& bytes, const Message& message, Random& rando
 
 // --- MAT v5 ---
 
-/// A tag: what follows is so many bytes of that type.
+/// A tag: the type and the number of the bytes that follow.
 struct Tag {
   std::size_t at;
   std::uint32_t type;
@@ -197,7 +197,7 @@ void change_tag(std::string& bytes, const Tag& tag, Random& random) {
 
 constexpr std::size_t kHeader = 64, kRecord = 224;
 
-/// The checksum of what follows it, right again.
+/// Recomputes the checksum of the bytes that follow it.
 void seal(std::string& bytes, std::size_t at, std::size_t size) {
   if (at + size > bytes.size()) return;
   put(bytes, at,
@@ -254,7 +254,7 @@ void change_mat(std::string& bytes, Random& random) {
   if (tags.empty() || random.percent(5)) return change_bytes(bytes, random);
   const Tag tag = random.of(tags);
   if (tag.type != kCompressed || random.percent(10)) return change_tag(bytes, tag, random);
-  // What is within a compressed variable.
+  // The contents of a compressed variable.
   std::string inner = inflated(bytes.substr(tag.at + 8, tag.size));
   std::vector<Tag> inner_tags;
   collect_tags(inner, 0, inner.size(), inner_tags);

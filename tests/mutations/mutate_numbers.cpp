@@ -10,7 +10,7 @@
 namespace quadtune::mutations {
 namespace {
 
-/// Rows of cells with what stands between two of them.
+/// Rows of cells with their separators.
 struct Table {
   char separator = ' ';
   std::vector<std::vector<std::string>> rows;
@@ -65,7 +65,8 @@ std::vector<std::size_t> number_rows(const Table& table) {
   return rows;
 }
 
-/// Every number of a column, or of all where it is -1, by a function of its value and its row.
+/// Changes every number of a column, or of all columns if it is -1, by a function of its value and
+/// its row.
 template <class Function>
 void each(Table& table, std::ptrdiff_t column, Function&& function) {
   std::size_t count = 0;
@@ -82,7 +83,7 @@ void each(Table& table, std::ptrdiff_t column, Function&& function) {
 
 std::string number(double value) { return fmt::format("{}", value); }
 
-/// A clock that stands, jumps, runs back or counts in another unit.
+/// A clock that stops, jumps, runs backwards or has another unit.
 void change_clock(Table& table, std::ptrdiff_t column, Random& random) {
   const std::size_t odd = random.below(number_rows(table).size());
   const std::size_t how = random.below(8);
@@ -150,7 +151,8 @@ void change_column(Table& table, Random& random) {
   }
 }
 
-/// What a solver does not like: zero, huge, tiny, not symmetric, of another sign, singular.
+/// Entries that are difficult for a solver: zero, huge, tiny, asymmetric, of another sign,
+/// singular.
 void change_all(Table& table, Random& random) {
   const auto power = std::pow(10.0, static_cast<int>(random.below(41)) - 20);
   const std::size_t how = random.below(6);

@@ -203,7 +203,7 @@ void change_bytes(std::string& bytes, Random& random) {
     case 7:
       std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), length, '\0');
       break;
-    default: {  // a double on a border of eight
+    default: {  // a double at a multiple of eight bytes
       const std::uint64_t value = random.of(odd);
       const std::size_t border = at / 8 * 8;
       std::memcpy(bytes.data() + border, &value, std::min<std::size_t>(8, size - border));
@@ -228,7 +228,7 @@ void change_text(std::string& text, Random& random) {
     case 4:
       text = (random.percent(50) ? "\xef\xbb\xbf" : "\xff\xfe") + text;
       break;
-    case 5: {  // as another system ends its lines
+    case 5: {  // line ends of another system
       std::string other;
       for (const char c : text)
         other += c == '\n' ? (random.percent(90) ? "\r\n" : "\r") : std::string(1, c);
@@ -243,7 +243,7 @@ void change_text(std::string& text, Random& random) {
 std::string mutated(const std::string& bytes, Format format, Random& random) {
   std::string result = bytes;
   const bool tree = format == Format::toml || format == Format::json;
-  // The text around a tree is changed only now and then: most of that is refused by the parser.
+  // The text of a tree is changed only sometimes, because the parser rejects most of these changes.
   if (tree && random.percent(85)) {
     Node root = format == Format::toml ? tree_of_toml(bytes) : tree_of_json(bytes);
     for (std::size_t i = 1 + random.below(random.percent(70) ? 1 : 4); i > 0; --i)

@@ -7,7 +7,7 @@
 namespace quadtune::mutations {
 namespace {
 
-/// A node with the one that holds it.
+/// A node with its parent.
 struct Spot {
   Node* parent;
   std::size_t index;
@@ -28,7 +28,7 @@ bool is_number_node(const Node& node) {
 }
 bool is_text(const Node& node) { return node.kind == Node::Kind::leaf && node.text[0] == '"'; }
 
-/// Between quotes as it stands: an escape may be one of the parser's, a byte none of UTF-8.
+/// Inserted between quotes unchanged: an escape may be one of the parser, a byte may not be UTF-8.
 Node odd_text(Random& random) { return leaf("\"" + random.of(odd_texts()) + "\""); }
 
 Node deep(std::size_t depth, const Node& core) {
@@ -125,7 +125,7 @@ void change_tree(Node& root, bool json, Random& random) {
   auto& siblings = spot.parent->parts;
   const auto here = siblings.begin() + static_cast<std::ptrdiff_t>(spot.index);
   Node& node = spot.node();
-  // What a leaf is, half of the time: a range, a name, a type that is wrong.
+  // Half of the time the value of a leaf: a wrong range, name or type.
   if (node.kind == Node::Kind::leaf && random.percent(50)) {
     if (is_number_node(node) && random.percent(80))
       change_number(node, random);
@@ -151,7 +151,7 @@ void change_tree(Node& root, bool json, Random& random) {
       else
         change_list(*spot.parent, random);
       break;
-    case 4: {  // what belongs elsewhere: a name of another, another shape
+    case 4: {  // content of another place: the name of another node, another shape
       const Node other = random.of(spots).node();
       spot.node() = other;
       break;

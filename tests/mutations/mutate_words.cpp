@@ -6,7 +6,7 @@
 namespace quadtune::mutations {
 namespace {
 
-/// What may follow an option. No name leads out of the folder of a case.
+/// Words that may follow an option. No name leads out of the folder of a case.
 std::string any_value(const std::vector<std::string>& words, Random& random) {
   static const std::vector<std::string> lists = {
       "1,2",    "1,2,3",       "1,,2",        ",",           "1,",
@@ -28,7 +28,7 @@ std::string any_value(const std::vector<std::string>& words, Random& random) {
       return random.of(words);
     default: {
       const std::string text = random.of(odd_texts());
-      // A name that leads elsewhere would be written to.
+      // A name outside the folder would be written to.
       return text.find('/') == std::string::npos ? text : "@/" + std::string(3, 'a');
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The mutations themselves: whatever goes wrong is found, and the same number makes the same case.
+/// Tests of the mutations: every failure is found, and the same number gives the same case.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -27,7 +27,7 @@ using ::testing::IsEmpty;
 using testing::ProgramResult;
 using testing::TemporaryDirectory;
 
-/// What ten cases of a program come to: case 3 is the one in which it misbehaves.
+/// The result of ten cases of a program that misbehaves in case 3.
 struct Outcome {
   std::vector<std::string> found;
   Tally tally;
@@ -114,7 +114,7 @@ TEST(RunCases, FindsExceptionsAndWhatIsNotDocumented) {
 
 TEST(RunCases, TellsWhatTakesTooLongToStop) {
   const Outcome deaf = outcome([]() -> ProgramResult {
-    ::signal(SIGALRM, SIG_IGN);  // by which the program would end itself
+    ::signal(SIGALRM, SIG_IGN);  // so that the program does not end itself
     run_for_ever();
   });
   EXPECT_THAT(deaf.found, ElementsAre(HasSubstr("goes on for 0.3 s")));
@@ -187,13 +187,13 @@ TEST(Cases, ANumberMakesOneCaseAndAnotherAnother) {
     texts.insert(text);
   }
   EXPECT_GT(texts.size(), 190U);
-  // What is not documented is not looked for.
+  // Every kind must be documented.
   std::string readme = project_file("tests/mutations/README.md");
   for (const Kind& kind : cases.kinds())
     EXPECT_THAT(readme, HasSubstr("| " + kind.name + " |")) << "tests/mutations/README.md";
 }
 
-// Each is what a user would have: its first command takes it.
+// Every sample is valid: its first command accepts it.
 TEST(Cases, TheSamplesAreValid) {
   const TemporaryDirectory directory;
   const Cases cases(all_kinds((directory.path() / "samples").string()), options_of_commands(), 5);

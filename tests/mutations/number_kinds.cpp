@@ -47,7 +47,7 @@ Kind matrices() {
       {"margins", "--A", "@/A", "--B", "@/B", "--K", "@/K", "--cut", "states", "--delay", "0.01"}};
   const auto add = [&](const char* target, std::vector<std::vector<Command>> lists) {
     Sample sample{files, target, Format::numbers, {}};
-    // Those alone that read it.
+    // Only the commands that read it.
     for (const auto& list : lists)
       for (const Command& command : list)
         for (const std::string& word : command)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Random choices that are the same with every compiler and library.
+/// Random choices that do not depend on the compiler or the library.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace quadtune::mutations {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// Of one case of a seed: neighbours have nothing in common.
+  /// The generator of one case of a seed; those of neighbouring cases are independent.
   Random(std::uint64_t seed, std::uint64_t number) : state_(Random(seed).next() ^ number) {
     state_ = next();
   }
@@ -24,10 +24,10 @@ class Random {
     z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
     return z ^ (z >> 31U);
   }
-  /// From 0 to n - 1; 0 of none.
+  /// A number from 0 to n - 1; 0 if n is 0.
   std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(next() % n); }
   bool percent(unsigned share) { return next() % 100 < share; }
-  /// From -1 to 1.
+  /// A number from -1 to 1.
   double noise() { return static_cast<double>(below(20001)) / 10000 - 1; }
 
   template <typename List>

@@ -28,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kDeaf = 97;
-constexpr std::uint64_t kBatch = 200;  // cases a child, so that what one leaves ends with it
+constexpr std::uint64_t kBatch = 200;  // cases per child process, so that leaked resources end with
+                                       // it
 
 std::string read_file(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -37,10 +38,10 @@ std::string read_file(const fs::path& file) {
   return text.str();
 }
 
-std::string first_lines(const std::string& text, int most) {
+std::string first_lines(const std::string& text, int max) {
   std::istringstream lines(text);
   std::string result;
-  for (std::string line; most > 0 && std::getline(lines, line); --most) result += line + "\n";
+  for (std::string line; max > 0 && std::getline(lines, line); --max) result += line + "\n";
   return result;
 }
 
@@ -49,7 +50,7 @@ std::string first_lines(const std::string& text, int most) {
 volatile std::sig_atomic_t alarms = 0;
 volatile std::sig_atomic_t pipe_to_parent = -1;
 
-/// A signal may end the process where the program is deep in its work: that is told before.
+/// A signal may end the process anywhere in the program, so this is reported before.
 extern "C" void on_alarm(int) {
   alarms = alarms + 1;
   if (alarms > 1) ::_exit(kDeaf);
@@ -68,10 +69,10 @@ void set_alarm(double first_s, double again_s) {
   ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-void limit(__rlimit_resource_t what, rlim_t most) {
+void limit(__rlimit_resource_t what, rlim_t max) {
   rlimit now{};
   ::getrlimit(what, &now);
-  now.rlim_cur = std::min(now.rlim_max, most);
+  now.rlim_cur = std::min(now.rlim_max, max);
   now.rlim_max = now.rlim_cur;
   ::setrlimit(what, &now);
 }
@@ -95,7 +96,8 @@ class Child {
     ::dup2(nothing, STDIN_FILENO);
   }
 
-  /// Says what it is at, before and after, so that the parent knows what it was when it ends.
+  /// Reports the current case before and after it, so that the parent knows which case ended the
+  /// process.
   void run(std::uint64_t number) {
     tell(fmt::format("case {}\n", number));
     const Case one = run_.make(number);
@@ -110,7 +112,7 @@ class Child {
       }
       if (::chdir(folder.c_str()) != 0) throw std::runtime_error("chdir");
       run(one.commands[i], one.files, folder);
-      if (alarms > 0) break;  // the program's flag cannot be taken back
+      if (alarms > 0) break;  // the flag of the program cannot be cleared
     }
     if (::chdir(run_.place.c_str()) != 0) throw std::runtime_error("chdir");
     fs::remove_all(folder);
@@ -149,7 +151,7 @@ class Child {
     for (const auto& entry : fs::recursive_directory_iterator(folder))
       if (entry.path().string().ends_with(".quadtune-tmp"))
         complain("leaves " + entry.path().filename().string());
-    // An export, a table, a report: whole or not at all.
+    // An export, a table, a report: complete or absent.
     if (result.status >= 2 && result.status <= 4 && command[0] != "campaign" &&
         std::find(command.begin(), command.end(), "--force") == command.end() &&
         std::find(command.begin(), command.end(), "@/out") != command.end() &&
@@ -167,12 +169,12 @@ class Child {
 
 // --- in the parent ---
 
-/// One child and what it has said.
+/// One child and its output.
 class Supervisor {
  public:
   Supervisor(const Run& run, Tally& tally) : run_(run), tally_(tally) {}
 
-  /// Gives a child cases from `from` on. Returns the next to be done.
+  /// Runs cases from `from` on in a child. Returns the next case.
   std::uint64_t run(std::uint64_t from, std::uint64_t to) {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
@@ -220,7 +222,7 @@ class Supervisor {
     ::_exit(0);
   }
 
-  /// False where it was silent for too long.
+  /// False if it was silent for too long.
   bool listen(int pipe) {
     std::string text;
     std::array<char, 65536> buffer{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Runs cases in child processes with limits and tells what came of them.
+/// Runs cases in child processes with limits and reports the results.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@
 
 namespace quadtune::mutations {
 
-/// What a case may use. Of the processor and not of the clock, so that a loaded machine changes
-/// nothing.
+/// The limits of a case. Processor time and not wall time, so that the load of the machine does not
+/// matter.
 struct Limits {
-  double patience_s = 3;  ///< of the processor for a command, after which it is told to stop
+  double patience_s = 3;  ///< processor time of a command, after which it receives a signal
   double grace_s = 20;    ///< of the processor until it then has to have ended
   double wall_s = 600;    ///< without any sign of life
   std::size_t memory = std::size_t{3} << 30U;  ///< [bytes] of addresses; 0: no limit
@@ -32,14 +32,14 @@ struct Tally {
   std::map<int, std::uint64_t> statuses;
   std::uint64_t cases = 0;
   std::uint64_t commands = 0;
-  std::uint64_t stopped = 0;  ///< commands that were told to stop
+  std::uint64_t stopped = 0;  ///< commands that received a signal
   std::uint64_t findings = 0;
 };
 
 struct Run {
   Limits limits = {};
   std::filesystem::path place;  ///< for the files of the cases; emptied at the end
-  /// The case of a number.
+  /// The case with this number.
   std::function<Case(std::uint64_t)> make;
   std::function<testing::ProgramResult(const Command&, const std::string&)> program = run_command;
   std::function<void(const Finding&)> found;
@@ -47,7 +47,7 @@ struct Run {
   std::function<bool()> enough = [] { return false; };  ///< asked between cases
 };
 
-/// The wanted cases from `from` on below `to`.
+/// The selected cases from `from` (inclusive) to `to` (exclusive).
 Tally run_cases(const Run& run, std::uint64_t from, std::uint64_t to);
 
 }  // namespace quadtune::mutations

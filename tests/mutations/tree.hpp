@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// TOML and JSON as a tree that can hold what no file should: keys that stand twice, numbers beyond
-/// any range, words that are none.
+/// TOML and JSON as a tree that can represent invalid files: duplicate keys, numbers beyond any
+/// range, invalid words.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace quadtune::mutations {
 struct Node {
   enum class Kind { leaf, list, table };
   Kind kind = Kind::leaf;
-  std::string text = {};                                 ///< of a leaf, as it stands in the file
+  std::string text = {};                                 ///< text of a leaf, as written in the file
   std::vector<std::pair<std::string, Node>> parts = {};  ///< named in a table
 };
 
@@ -20,7 +20,7 @@ struct Node {
 /// A text in quotes, with the escapes that TOML and JSON share.
 [[nodiscard]] std::string quoted(const std::string& text);
 
-/// @throws std::exception  where the text is no TOML, no JSON.
+/// @throws std::exception  if the text is neither TOML nor JSON.
 [[nodiscard]] Node tree_of_toml(const std::string& text);
 [[nodiscard]] Node tree_of_json(const std::string& text);
 

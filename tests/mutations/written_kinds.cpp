@@ -83,7 +83,7 @@ empty_voltage_V = 3.2
   return kind;
 }
 
-/// The project's design without the missions that it flies before it writes.
+/// The project's design without its missions.
 std::string design(const std::string& name) {
   std::string text = project_file("designs/" + name + ".toml");
   for (std::size_t at = text.find("[[mission]]"); at != std::string::npos;
@@ -296,7 +296,8 @@ value = 0.5
               "--evaluations", "1", "--proof", "20"}}}}};
 }
 
-/// At rest, with a channel for every input of the built-in models and some of their outputs.
+/// A log at rest, with a channel for every input of the built-in models and for some of their
+/// outputs.
 std::string resting_log_text() {
   const std::vector<std::pair<std::string, double>> channels = {
       {"ax", 0},      {"ay", 0},     {"flow_vx", 0}, {"flow_vy", 0}, {"rate", 0},    {"tilt", 0},

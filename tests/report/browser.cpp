@@ -21,7 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What every run has: no window, no sandbox for root, no services of its own.
+/// Options of every run: no window, no sandbox for root, no background services.
 const std::vector<std::string> kAlways = {
     "--headless",
     "--no-sandbox",
@@ -42,12 +42,11 @@ const std::vector<std::string> kAlways = {
     "--virtual-time-budget=4000",
 };
 
-// A loaded machine without a graphics processor is slow; and now and then the browser waits for
-// ever without doing anything.
+// A loaded machine without a graphics processor is slow, and sometimes the browser hangs.
 constexpr auto kPatience = 100s;
 constexpr int kStarts = 3;
 
-/// The environment with another home, where the browser may leave what it likes.
+/// The environment with another home directory, where the browser may write.
 std::vector<std::string> environment(const std::string& home) {
   std::vector<std::string> result = {"HOME=" + home, "XDG_CONFIG_HOME=" + home,
                                      "XDG_CACHE_HOME=" + home};
@@ -76,7 +75,8 @@ BrowserResult start_browser(const std::string& file, const std::vector<std::stri
   command.push_back("file://" + file);
   std::vector<std::string> variables = environment(place.path().string());
 
-  // Into files and not pipes: helpers that outlive the browser would keep a pipe open.
+  // Output goes to files and not to pipes, because helper processes that outlive the browser would
+  // keep a pipe open.
   const std::string out = (place.path() / "out").string();
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);

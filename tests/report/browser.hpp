@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Chromium without a window, for tests that look at pages as a reader's browser would.
+/// Headless Chromium, for tests of pages as in a reader's browser.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace quadtune::testing {
 
-/// The program's path; empty where there is none.
+/// The path of the program; empty if it is not installed.
 [[nodiscard]] std::string find_browser();
 
 struct BrowserResult {
@@ -16,11 +16,11 @@ struct BrowserResult {
   std::string out;       ///< its standard output, e.g. of --dump-dom
 };
 
-/// Opens a page and ends. Graphics are computed by the processor. No name of a host is resolved, so
-/// that nothing leaves the machine, whatever a page or the browser itself may ask for.
+/// Opens a page and ends. Graphics are rendered by the processor. Host names are not resolved, so
+/// that nothing leaves the machine, whatever a page or the browser itself requests.
 ///
-/// @param file       the page's path
-/// @param arguments  what to do with it, e.g. {"--dump-dom"}
+/// @param file       path of the page
+/// @param arguments  the action, e.g. {"--dump-dom"}
 [[nodiscard]] BrowserResult open_in_browser(const std::string& file,
                                             const std::vector<std::string>& arguments);
 
@@ -29,7 +29,7 @@ struct BrowserResult {
                                       const std::vector<std::string>& arguments = {});
 
 /// A picture of the page.
-/// @param png  where it goes
+/// @param png  file to write
 [[nodiscard]] BrowserResult take_picture(const std::string& file, const std::string& png, int width,
                                          int height,
                                          const std::vector<std::string>& arguments = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The flight report as a reader's browser shows it. Skipped where there is no Chromium.
+/// The flight report in a browser. Skipped if there is no Chromium.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -26,12 +26,12 @@ TEST_F(Browser, DrawsEveryPlotAndTheReplay) {
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "8");
   EXPECT_EQ(root_data(page, "replay"), "drawn");
-  EXPECT_THAT(page, HasSubstr("8 of 9 limits kept"));
+  EXPECT_THAT(page, HasSubstr("8 of 9 limits met"));
   EXPECT_THAT(page, HasSubstr("extended Kalman filter, every 5 ms"));
   EXPECT_THAT(page, HasSubstr("rotor 2 within 10 % of its largest speed"));
 }
 
-// Lines in colours, not grids and texts alone.
+// Coloured lines, not only grids and texts.
 TEST_F(Browser, PlotsAndReplayHaveColours) {
   const std::string script = R"(
     const root = document.documentElement;
@@ -77,14 +77,15 @@ TEST_F(Browser, ShowsAReportOfNothing) {
   EXPECT_THAT(page, HasSubstr("No verdict"));
 }
 
-// Without its policy, too: the policy only makes sure.
+// Also without its policy, which is only a second barrier.
 TEST_F(Browser, LoadsNothing) {
   const std::string html = report::html(sample_flight());
   const std::string image =
       "document.body.append(Object.assign(new Image(), "
       "{src: 'http://control.example/x.png'}));";
   EXPECT_THAT(asked_for(with_script(html, image)),
-              ::testing::ElementsAre("http://control.example/x.png"));  // the log does tell
+              ::testing::ElementsAre("http://control.example/x.png"));  // so the log contains
+                                                                        // requests
   EXPECT_THAT(asked_for(with_script(html, "")), IsEmpty());
   EXPECT_THAT(asked_for(html), IsEmpty());
 }
@@ -100,7 +101,7 @@ TEST_F(Browser, PolicyStopsOtherScripts) {
 
 TEST_F(Browser, HostileTextsStayTexts) {
   FlightReport report = hostile_flight();
-  // Every text is shown, none of it as markup, and nothing of it runs, without the policy as well.
+  // Every text is shown, none as markup, and no script in it runs, also without the policy.
   const std::string page =
       opened(with_script(report::html(report),
                          "const root = document.documentElement; root.dataset.elements = "
@@ -115,7 +116,8 @@ TEST_F(Browser, HostileTextsStayTexts) {
   EXPECT_NE(root_data(page, "heading"), "0");
 }
 
-// Where rotors are in the picture [px], with the camera at a place beside the vehicle [m].
+// Positions of the rotors in the picture [px], with the camera at a position relative to the
+// vehicle [m].
 class Attitude : public Browser {
  protected:
   /// Pixel columns x and y, in the order front left, front right, back right, back left.
@@ -144,8 +146,8 @@ TEST_F(Attitude, LevelAndNorth) {
   EXPECT_LT(back[3].first, back[2].first);           // left is left
   EXPECT_NEAR(back[2].second, back[3].second, 0.1);  // level
   const auto top = seen(0, 0, 0, above);
-  EXPECT_LT(top[0].second, top[3].second);  // ahead is north is up in the picture
-  EXPECT_LT(top[0].first, top[1].first);    // right is east is right
+  EXPECT_LT(top[0].second, top[3].second);  // forward is north, which is up in the picture
+  EXPECT_LT(top[0].first, top[1].first);    // right is east, which is right in the picture
 }
 
 TEST_F(Attitude, RollLowersTheRightSide) {
@@ -162,13 +164,13 @@ TEST_F(Attitude, YawTurnsClockwiseSeenFromAbove) {
   const auto top = seen(0, 0, 0.4, above);
   const double ahead = (top[0].first + top[1].first) / 2;
   const double behind_it = (top[2].first + top[3].first) / 2;
-  EXPECT_GT(ahead, behind_it + 5);  // the nose went right
+  EXPECT_GT(ahead, behind_it + 5);  // the nose moved to the right
 }
 
 TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
   const std::string html = report::html(sample_flight());
   const std::string script = R"(
-    // The browser's clock runs ahead here, and it draws next to no frames.
+    // The virtual clock of the browser runs fast, and it draws hardly any frames.
     window.requestAnimationFrame = (f) => setTimeout(f, 100);
     const root = document.documentElement;
     const over = [...document.querySelectorAll('.u-over')];
@@ -271,8 +273,8 @@ std::pair<unsigned, unsigned> png_size(const std::string& bytes) {
   return {number(16), number(20)};
 }
 
-// With QUADTUNE_UPDATE_DOCS=1 in the environment the flight is one that was flown, by the command
-// that the README has, and the wide picture becomes the README's.
+// With QUADTUNE_UPDATE_DOCS=1 in the environment, the flight is simulated by the command that the
+// README shows, and the wide picture becomes that of the README.
 TEST_F(Browser, TakesPicturesWideAndNarrow) {
   const bool for_readme = std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr;
   const std::string wide = (place_.path() / "wide.png").string();
@@ -291,7 +293,7 @@ TEST_F(Browser, TakesPicturesWideAndNarrow) {
   const std::string frame = write(in_frame("report.html", 390, 2000), "frame.html");
   EXPECT_EQ(take_picture(frame, narrow, 500, 2000).status, 0);
   EXPECT_EQ(png_size(place_.read("narrow.png")), std::pair(500U, 2000U));
-  // A page without anything is about 10 kB.
+  // An empty page has about 10 kB.
   EXPECT_GT(std::filesystem::file_size(wide), 60'000U);
   EXPECT_GT(std::filesystem::file_size(narrow), 40'000U);
   if (for_readme)

@@ -30,8 +30,8 @@ using ::testing::IsEmpty;
 using testing::kInfinity;
 using testing::kNaN;
 
-/// The page that the program writes of campaigns/mambo-hover.toml; with fewer flights, but for the
-/// picture of the documentation.
+/// The page that the program writes for campaigns/mambo-hover.toml; with fewer flights, except for
+/// the picture of the documentation.
 const std::string& example() {
   static const std::string page = [] {
     const TemporaryDirectory folder;
@@ -87,7 +87,7 @@ TEST(CampaignPage, TellsWhatWasFlown) {
   EXPECT_GE(designed["high"], designed["rate"]);
   EXPECT_EQ(designed["worst"].size(), 5U);
   EXPECT_THAT(designed["worst"][0]["command"].get<std::string>(), HasSubstr("campaign replay"));
-  // Both designs in each chart, each curve increasing.
+  // Each chart has both designs, and each curve increases.
   ASSERT_FALSE(data["distributions"].empty());
   for (const nlohmann::json& chart : data["distributions"])
     for (const nlohmann::json& curve : chart["curves"]) {
@@ -110,8 +110,8 @@ TEST_F(Browser, DrawsACampaign) {
   EXPECT_THAT(page, HasSubstr("published less designed in hover"));
 }
 
-// What campaigns add to the common style leaves the keys of a flight's plots as they were: a line
-// drawn in its series' own dashes, and nothing before it.
+// The styles of campaign pages do not change the legend of a flight's plots: a line in the dashes
+// of its series, and nothing before it.
 TEST_F(Browser, AFlightsKeysAreNotThoseOfACampaign) {
   const std::string page = opened(with_script(
       report::html(sample_flight(4)),

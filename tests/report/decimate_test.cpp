@@ -63,7 +63,7 @@ TEST(Decimate, KeepsWhatIsSmooth) {
     ASSERT_EQ(kept.values[0][i], 3 * kept.time[i] - 1);
 }
 
-// Property: wherever a spike of one row is, up or down, it is found near its time.
+// Property: a spike of one row, up or down, is found near its time wherever it is.
 TEST(Decimate, KeepsEveryPeak) {
   std::mt19937 random(7);
   const std::vector<double> time = clock_of(20'001);
@@ -83,7 +83,7 @@ TEST(Decimate, KeepsEveryPeak) {
   }
 }
 
-// Property: of noise, too, the extremes of any stretch are there, a bucket more or less.
+// Property: the extremes of any interval of noise are kept, up to the width of a bucket.
 TEST(Decimate, KeepsTheEnvelopeOfNoise) {
   std::mt19937 random(8);
   std::normal_distribution<double> noise;
@@ -126,7 +126,7 @@ TEST(Decimate, KeepsGapsAndSparseValues) {
     }
     EXPECT_TRUE(std::isnan(kept.values[2][i]));
   }
-  // Every single one of the slow sensor's.
+  // All values of the slow sensor.
   std::size_t found = 0;
   for (const double value : kept.values[1]) found += std::isnan(value) ? 0 : 1;
   EXPECT_EQ(found, count);

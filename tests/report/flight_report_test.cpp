@@ -35,7 +35,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-/// What stands between two texts, from the first place on where the first stands.
+/// The text between two texts, starting at the first occurrence of the first one.
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
   const std::size_t start = text.find(open) + open.size();
   return text.substr(start, text.find(close, start) - start);
@@ -120,7 +120,7 @@ TEST(FlightReport, NumbersReadBack) {
   near(numbers<float>(data["replay"]["rotors"][3]["speed"]), report.log.find("rotor.4")->values);
 }
 
-// A column that several plots show is in the file once.
+// A column that several plots show is stored once.
 TEST(FlightReport, HoldsEachColumnOnce) {
   FlightReport report = sample_flight(4);
   const json one = data_of(report::html(report));
@@ -149,10 +149,10 @@ TEST(FlightReport, TakesQuaternionsOfAnyLength) {
   const json q = data_of(report::html(report))["replay"]["quaternion"];
   EXPECT_NEAR(numbers<float>(q[0])[0], 0.6, 1e-7);
   EXPECT_NEAR(numbers<float>(q[2])[0], 0.8, 1e-7);
-  EXPECT_TRUE(std::isnan(numbers<float>(q[0])[1]));  // none at all
+  EXPECT_TRUE(std::isnan(numbers<float>(q[0])[1]));  // a zero quaternion
 }
 
-// 100 s at 200 Hz with 80 columns of noise, which nothing can shorten.
+// 100 s at 200 Hz with 80 columns of noise, which cannot be compressed.
 TEST(FlightReport, StaysBelowThreeMegabytes) {
   FlightReport report = sample_flight(100);
   std::mt19937 random(3);
@@ -172,7 +172,7 @@ TEST(FlightReport, StaysBelowThreeMegabytes) {
   EXPECT_EQ(data_of(page)["kept"], 4000);
   EXPECT_EQ(data_of(page)["rows"], report.log.rows());
 
-  // And with any number of columns: fewer rows of each.
+  // And with any number of columns, by fewer rows of each.
   const std::vector<report::ReportPlot> plots = report.plots;
   for (int copy = 0; copy < 4; ++copy)
     for (int i = 0; i < 80; ++i) {
@@ -194,7 +194,7 @@ TEST(FlightReport, KeepsPeaks) {
   EXPECT_EQ(*std::ranges::max_element(shown), 77);
 }
 
-// The policy names the very scripts and the style that are in the file, and nothing else.
+// The policy allows exactly the scripts and the style in the file.
 TEST(FlightReport, PolicyAllowsItsOwnScriptsAlone) {
   const std::string page = report::html(sample_flight(4));
   const std::string policy =
@@ -211,7 +211,8 @@ TEST(FlightReport, PolicyAllowsItsOwnScriptsAlone) {
   EXPECT_LT(page.find("Content-Security-Policy"), page.find("<style>"));
 }
 
-// Hostile texts change no tag of the file: it has those of a harmless report, in the same order.
+// Hostile texts do not change the tags of the file: it has those of a harmless report, in the same
+// order.
 TEST(FlightReport, HostileTextsAddNoMarkup) {
   const auto without_data = [](std::string page) {
     page.erase(page.find(data_text(page)), data_text(page).size());
@@ -224,7 +225,7 @@ TEST(FlightReport, HostileTextsAddNoMarkup) {
   EXPECT_EQ(without_data(hostile), without_data(report::html(FlightReport{})));
   EXPECT_EQ(data_text(hostile).find_first_of("<>&"), std::string::npos);
   EXPECT_TRUE(json::accept(data_text(hostile)));
-  // No text is lost, either.
+  // No text is lost.
   const json data = data_of(hostile);
   for (std::size_t i = 0; i < testing::hostile_texts().size(); ++i) {
     const std::string& text = testing::hostile_texts()[i];
@@ -245,7 +246,7 @@ TEST(FlightReport, SaysWhatIsNoNumber) {
   EXPECT_EQ(metrics[1]["text"], "minus infinite");
 }
 
-// Addresses stand in comments and as the names of XML languages; nothing is loaded from any.
+// Addresses occur in comments and as names of XML namespaces; nothing is loaded from them.
 TEST(FlightReport, NamesNoAddressToLoad) {
   const std::string page = report::html(sample_flight(4));
   const std::regex loads(
@@ -285,22 +286,22 @@ TEST(FlightReport, RefusesWhatDoesNotFit) {
   EXPECT_EQ(refusal(good), "");
   FlightReport report = good;
   report.plots = {{"a", "m", {{"a", "nowhere"}}}};
-  EXPECT_EQ(refusal(report), "report: column 'nowhere', expected one of the log's 7 columns");
+  EXPECT_EQ(refusal(report),
+            "report: unknown column 'nowhere', expected one of the 7 columns of the log");
   report = good;
   report.log.columns[3].values.pop_back();
-  EXPECT_EQ(refusal(report), "report: column 'd' has 1 rows, expected 2 as the time");
+  EXPECT_EQ(refusal(report), "report: column 'd' has 1 rows, expected 2 like the time");
   report = good;
   report.log.columns[0].values = {1, 1};
   EXPECT_EQ(refusal(report),
-            "report: time 1 in row 1, expected finite numbers that increase, because plots "
-            "are over it");
+            "report: the time is 1 in row 1, expected finite and increasing times");
   report = good;
   report.replay->attitude.pop_back();
   EXPECT_EQ(refusal(report),
-            "flight report: attitude of 2 columns, expected 3 angles or a quaternion of 4");
+            "flight report: the attitude has 2 columns, expected 3 angles or a quaternion of 4");
   report = good;
   report.gains = {{"K", {"a"}, {"b", "c"}, Eigen::MatrixXd::Zero(2, 2)}};
-  EXPECT_EQ(refusal(report), "flight report: table 'K' is 2x2, expected 1x2 as it has names");
+  EXPECT_EQ(refusal(report), "flight report: table 'K' is 2x2, expected 1x2 to match its names");
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ using ::testing::IsEmpty;
 using testing::kInfinity;
 using testing::kNaN;
 
-/// The page that the program writes of gains of the Mambo; of a longer search for the picture of
+/// The page that the program writes for gains of the Mambo; of a longer search for the picture of
 /// the documentation.
 const std::string& example_of_gains() {
   static const std::string page = [] {
@@ -92,10 +92,10 @@ TEST(GainsPage, TellsStartFoundAndPublished) {
   });
   ASSERT_NE(tracking, missions.end());
   EXPECT_EQ((*tracking)["of"], "hover");
-  EXPECT_LT((*tracking)["values"][1], (*tracking)["values"][2]);  // what is published is beaten
+  EXPECT_LT((*tracking)["values"][1], (*tracking)["values"][2]);  // better than the published gains
   EXPECT_EQ((*tracking)["limit"], 0.05);
   EXPECT_THAT((*tracking)["broken"], ElementsAre(false, false, false));
-  // Of each of six loops four margins, and a limit of Ms: that of the start.
+  // Four margins for each of six loops, and a limit of Ms: that of the start.
   const nlohmann::json& margins = data["tables"][1]["rows"];
   ASSERT_EQ(margins.size(), 24U);
   for (std::size_t i = 0; i < margins.size(); i += 4) {
@@ -105,7 +105,7 @@ TEST(GainsPage, TellsStartFoundAndPublished) {
     EXPECT_THAT(margins[i]["broken"], ElementsAre(false, false, true));
     EXPECT_TRUE(margins[i + 1]["limit"].is_null());
   }
-  // The same four margins at each component of the wrench, of the loop that flies.
+  // The same four margins at each component of the wrench, of the flown loop.
   const nlohmann::json& flown = data["tables"][2]["rows"];
   EXPECT_EQ(data["tables"][2]["title"], "Margins of the flown loop");
   ASSERT_EQ(flown.size(), 16U);
@@ -114,7 +114,7 @@ TEST(GainsPage, TellsStartFoundAndPublished) {
     for (const nlohmann::json& value : flown[i]["values"]) EXPECT_GE(value, 1);
   }
   EXPECT_EQ(data["tables"][3]["rows"].size(), 18U);
-  // The search only falls, where the start keeps its limits or not.
+  // The minimum cost only decreases, whether the start meets its limits or not.
   const auto evaluation = data["search"]["evaluation"].get<std::vector<double>>();
   EXPECT_TRUE(std::is_sorted(evaluation.begin(), evaluation.end()));
   EXPECT_LE(evaluation.back(), 60 + 540 * (std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr));

@@ -12,7 +12,7 @@ namespace quadtune::testing {
 /// Each would set data-broken on the page's root element if it could.
 [[nodiscard]] const std::vector<std::string>& hostile_texts();
 
-/// A report with all of them in every text field, and with numbers that are none.
+/// A report with all of them in every text field, and with numbers that are not finite.
 [[nodiscard]] report::FlightReport hostile_flight();
 
 }  // namespace quadtune::testing

@@ -38,7 +38,7 @@ TEST(Base64, HoldsFloatsLittleEndian) {
   const std::string nan = base64(std::vector<unsigned char>{0, 0, 0xc0, 0x7f});
   EXPECT_EQ(float32_base64({std::numeric_limits<double>::quiet_NaN()}), nan);
   EXPECT_EQ(float32_base64({std::numeric_limits<double>::infinity()}), nan);
-  EXPECT_EQ(float32_base64({-1e39}), nan);  // no float goes so far
+  EXPECT_EQ(float32_base64({-1e39}), nan);  // beyond the range of a float
   EXPECT_EQ(float64_base64({1}), base64(std::vector<unsigned char>{0, 0, 0, 0, 0, 0, 0xf0, 0x3f}));
 }
 
@@ -71,7 +71,7 @@ TEST(ScriptJson, EscapesWhatEndsAScript) {
   EXPECT_EQ(script_json({{"a", std::numeric_limits<double>::quiet_NaN()}}), R"({"a":null})");
 }
 
-// Plain ASCII without markup, and for what reads JSON still the same text.
+// Plain ASCII without markup, and still the same text for a JSON parser.
 TEST(ScriptJson, LetsNoHostileTextOutAndChangesNone) {
   for (const std::string& text : testing::hostile_texts()) {
     const std::string script = script_json(json{{text, text}});

@@ -29,7 +29,7 @@ double smooth_step(double t, double a, double b) {
   return s * s * s * (10 + s * (-15 + 6 * s));
 }
 
-/// Where the vehicle shall be [m], world north-east-down.
+/// The set point of the position [m], world north-east-down.
 Vector3d wanted(double t) {
   const double go = smooth_step(t, 4, 9);
   const double phase = 0.75 * std::max(t - 4, 0.0);
@@ -37,7 +37,7 @@ Vector3d wanted(double t) {
           -2.5 * smooth_step(t, 0.5, 4) - go * 0.6 * std::sin(phase / 2)};
 }
 
-/// A push to the side that comes and goes [m].
+/// A temporary displacement to the side [m].
 Vector3d gust(double t) {
   const double strength = std::exp(-0.5 * std::pow((t - 21) / 0.8, 2));
   return Vector3d(0.25, 0.55, -0.18) * strength;
@@ -58,7 +58,7 @@ struct SampleAttitude {
   double roll, pitch, yaw;  // [rad]
 };
 
-/// The attitude whose thrust gives the acceleration, at a yaw.
+/// The attitude whose thrust gives the acceleration, for a given yaw.
 SampleAttitude attitude(double t) {
   const double yaw = 0.6 * std::sin(0.2 * t);
   const Vector3d up = -(acceleration(t) - Vector3d(0, 0, kGravity));  // along body +z, down
@@ -68,7 +68,7 @@ SampleAttitude attitude(double t) {
   return {std::atan2(-right, std::hypot(forward, up.z())), std::atan2(forward, up.z()), yaw};
 }
 
-/// Columns that are made row by row.
+/// Columns that are filled row by row.
 class Recorder {
  public:
   explicit Recorder(LogTable& log) : log_(log) {}

@@ -25,7 +25,7 @@ using ::testing::IsEmpty;
 
 using testing::kNaN;
 
-/// The page that the program writes of a log.
+/// The page that the program writes for a log.
 std::string page_of_log(const std::string& log, const std::vector<std::string>& more = {}) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "page.html").string();
@@ -38,7 +38,7 @@ std::string page_of_log(const std::string& log, const std::vector<std::string>& 
 }
 
 std::string example_of_tuning() {
-  // From the root, as in the documentation: the page says how the log was called.
+  // Run from the root, as in the documentation: the page contains the name of the log.
   static const std::string page = [] {
     const std::filesystem::path before = std::filesystem::current_path();
     std::filesystem::current_path(testing::source_folder());
@@ -49,7 +49,7 @@ std::string example_of_tuning() {
   return page;
 }
 
-/// A vehicle that bobs under a sonar whose echoes a filter on board has smoothed.
+/// A vehicle that moves up and down, with a sonar whose echoes were filtered on board.
 std::string smoothed_log(int rows) {
   std::string text = "t_s,az[m/s^2],height[m]\n";
   double z = -1, vz = 0, kept = 1;
@@ -163,7 +163,7 @@ TEST_F(Browser, ShowsATuningOfNothing) {
   const std::string page = opened(report::html(TuningPage{}));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "0");
-  EXPECT_THAT(page, HasSubstr("Too short to tell"));
+  EXPECT_THAT(page, HasSubstr("Too short for a verdict"));
 }
 
 TEST_F(Browser, ATuningFitsIntoANarrowWindow) {
@@ -171,7 +171,8 @@ TEST_F(Browser, ATuningFitsIntoANarrowWindow) {
   EXPECT_EQ(narrow_width(report::html(hostile_tuning())), "390");
 }
 
-// Keys show and hide, paper is white, and what is hidden at first can be shown.
+// Keys of the legend show and hide series, printing uses the light theme, and hidden series can be
+// shown.
 TEST_F(Browser, KeysOfATuningShowAndHide) {
   const std::string script = R"(
     const root = document.documentElement;

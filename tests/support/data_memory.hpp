@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Memory that is of the process alone, which no file stands for.
+/// Private memory of the process that is not backed by a file.
 #pragma once
 
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Building exported C as anybody would.
+/// Building exported C as a user would.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,8 +17,8 @@ inline bool has_compiler() {
   return has;
 }
 
-/// The exported program as anybody would build it, warnings refused; what is said goes to the file
-/// `log` there.
+/// Builds the exported program with warnings as errors; the output of the compiler goes to the file
+/// `log` in its folder.
 inline int make_test(const std::filesystem::path& folder, const std::string& compiler = "cc") {
   return std::system(
       fmt::format("make -s -C '{}' CC={} CFLAGS='-O2 -Wconversion -Wdouble-promotion "
@@ -27,8 +27,8 @@ inline int make_test(const std::filesystem::path& folder, const std::string& com
           .c_str());
 }
 
-/// The loops of C code that no constant bounds: a number, a constant in capitals, or the counter of
-/// the loop around it.
+/// The loops of C code without a constant bound: a number, a constant in capitals, or the counter
+/// of the enclosing loop.
 inline std::vector<std::string> loops_without_bound(const std::string& code) {
   static const std::regex loop(R"(\b(?:for|while|do|goto)\b *[({;][^{]*|\bgoto .*)");
   static const std::regex bounded(

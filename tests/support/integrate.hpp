@@ -6,8 +6,8 @@
 
 namespace quadtune::testing {
 
-/// The classical fourth-order Runge-Kutta method, `steps` steps of `dt` from x0 of x' = f(x).
-/// Its error over the whole way is of the order (rate · dt)⁴.
+/// The classical fourth-order Runge-Kutta method, `steps` steps of `dt` from x0 of x' = f(x). Its
+/// global error is of the order (rate · dt)⁴.
 template <class Vector, class F>
 [[nodiscard]] Vector integrate(const F& f, Vector x, double dt, int steps) {
   for (int k = 0; k < steps; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Matchers on matrices that refuse non-finite entries before they compare.
+/// Matchers for matrices that reject non-finite entries before they compare.
 #pragma once
 
 #include <gmock/gmock.h>

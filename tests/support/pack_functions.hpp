@@ -9,7 +9,7 @@
 
 #include "quadtune/simulation/pack.hpp"
 
-// Lane by lane until the packed ones are there.
+// Computed lane by lane until there are packed implementations.
 namespace quadtune {
 template <int N>
 Pack<N> sin(Pack<N> a) {

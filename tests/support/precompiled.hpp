@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What most tests include, parsed once for all of them, as quadtune/internal/precompiled.hpp is
-/// for the libraries.
+/// Headers that most tests include, parsed once for all of them, as
+/// quadtune/internal/precompiled.hpp is for the libraries.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The program run in this process, as a user would run it.
+/// Runs the program in this process, with the arguments of a command line.
 #pragma once
 
 #include <sstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Numbers that are the same to the last bit.
+/// Bitwise comparison of numbers.
 #pragma once
 
 #include <bit>
@@ -8,7 +8,7 @@
 
 namespace quadtune::testing {
 
-/// Whether two numbers have the same bits, the sign of a zero with them; all NaN are one.
+/// Whether two numbers have the same bits, including the sign of a zero; all NaN are equal.
 [[nodiscard]] inline bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) ||
          (std::isnan(a) && std::isnan(b));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether the test runs under AddressSanitizer, which takes time and memory of its own.
+/// Whether the test runs under AddressSanitizer, which needs additional time and memory.
 #pragma once
 
 namespace quadtune::testing {

@@ -5,9 +5,8 @@
 
 namespace quadtune::testing {
 
-/// The source tree that the tests were built from. One source file alone is compiled with its name,
-/// so that the objects of all others are the same wherever the tree lies, as a compiler's cache
-/// wants them.
+/// The source tree that the tests were built from. Only one source file is compiled with its name,
+/// so that the objects of all others do not depend on its location, as a compiler cache requires.
 [[nodiscard]] std::string source_folder();
 
 }  // namespace quadtune::testing

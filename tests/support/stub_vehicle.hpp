@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A Mambo on the loopback: it keeps every byte that it is sent and answers as a test tells it.
+/// A stub of a Mambo on the loopback interface: it records every received byte and answers as a
+/// test defines.
 #pragma once
 
 #include <arpa/inet.h>
@@ -27,8 +28,8 @@ namespace quadtune::testing {
 class StubVehicle {
  public:
   using Bytes = std::vector<std::uint8_t>;
-  /// What it sends back, piece by piece, after it received these frames, of which the last is new;
-  /// none: it closes the connection. Called in the stub's thread.
+  /// The pieces that it sends back after it received these frames, the last of which is new; if
+  /// there are none, it closes the connection. Called in the thread of the stub.
   using Answer = std::function<std::optional<std::vector<Bytes>>(const std::vector<Bytes>& frames)>;
 
   struct Settings {
@@ -41,7 +42,7 @@ class StubVehicle {
   explicit StubVehicle(Settings settings)
       : settings_(std::move(settings)), socket_(bound(settings_.type, "127.0.0.1")) {
     if (stream() && ::listen(socket_, 1) != 0) throw std::runtime_error("listen() failed");
-    // As the vehicle in figure 5.3 of Oliveira 2020, which answers from another port than 6000.
+    // Like the vehicle in figure 5.3 of Oliveira 2020, it answers from another port than 6000.
     if (!stream()) answers_ = bound(SOCK_DGRAM, settings_.from);
     thread_ = std::thread([this] { run(); });
   }
@@ -57,17 +58,17 @@ class StubVehicle {
   [[nodiscard]] std::uint16_t port() const { return port_of(socket_); }
   [[nodiscard]] std::string address() const { return "127.0.0.1:" + std::to_string(port()); }
 
-  /// What it received, a frame each.
+  /// The received frames.
   [[nodiscard]] std::vector<Bytes> frames() const {
     const std::lock_guard lock(mutex_);
     return frames_;
   }
-  /// Waits until it received so many frames.
+  /// Waits until it has received this number of frames.
   [[nodiscard]] std::vector<Bytes> frames(std::size_t count) const {
     while (frames().size() < count) pause();
     return frames();
   }
-  /// For an Answer that comes late.
+  /// For a delayed Answer.
   static void wait_for(const std::atomic<bool>& flag) {
     while (!flag) pause();
   }
@@ -139,7 +140,7 @@ class StubVehicle {
       for (const Bytes& piece : *pieces)
         if (::send(connection, piece.data(), piece.size(), MSG_NOSIGNAL) < 0) return;
     }
-    // Bytes beyond the last frame, or of one that was cut short.
+    // Bytes after the last frame, or those of an incomplete one.
     if (!frame.empty()) (void)answers(frame);
   }
 

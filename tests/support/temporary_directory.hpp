@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A directory that goes away with the test.
+/// A directory that is deleted at the end of the test.
 #pragma once
 
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Matrices of uniform random numbers from a seeded generator. Eigen's own Random() draws from the
-/// state of the whole process, which depends on the tests that ran before.
+/// Matrices of uniform random numbers from a seeded generator. Eigen's Random() uses global state,
+/// which depends on the tests that ran before.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built-in vehicles, and those that are given as files, fly the built-in missions with their own
-// sensors and the default designs.
+// Built-in vehicles, and vehicles from files, fly the built-in missions with their own sensors and
+// the default designs.
 #include <gmock/gmock.h>
 
 #include <cctype>

@@ -38,8 +38,8 @@ quantity = "mass"
 uniform = { low = 0.9, high = 1.1 }
 )";
 
-// The plan that was made and the one that a worker reads fly alike, to the last bit: a plan holds
-// the flights themselves.
+// The plan that was created and the plan that a worker loads give bit-identical flights: a plan
+// contains the flights themselves.
 TEST(CampaignPlan, IsReadBackAsItWasMade) {
   const testing::TemporaryDirectory directory;
   const MadeCampaign made = make_campaign(directory.write("c.toml", kCampaign), 2);
@@ -73,8 +73,7 @@ TEST(CampaignPlan, AnotherPlanInTheFolderIsRefused) {
   EXPECT_THAT([&] { write_campaign(make_campaign(directory.path() / "c.toml", 3), folder); },
               ThrowsMessage<InvalidInput>(HasSubstr("what differs is shards, 2 there and 3 here")));
   EXPECT_THAT([&] { (void)make_campaign(directory.path() / "c.toml", 4); },
-              ThrowsMessage<OptionError>("shards is 4, expected at most 3 as there are no more "
-                                         "flights"));
+              ThrowsMessage<OptionError>("shards is 4, expected at most 3, the number of flights"));
 }
 
 }  // namespace

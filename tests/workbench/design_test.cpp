@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A design in memory is that of a file, to the last bit.
+/// A design in memory is identical to that of a file, to the last bit.
 #include "quadtune/workbench/design/design.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ using ::testing::StartsWith;
 
 const std::string kSource = testing::source_folder();
 
-/// What a file asks for, in memory.
+/// The requirements of a file, in memory.
 DesignRequirements requirements_of(const Design& file) {
   DesignRequirements requirements;
   requirements.name = file.name;
@@ -45,7 +45,7 @@ bool same(const Matrix& a, const Matrix& b) {
   return (a.array() == b.array()).all();
 }
 
-// The estimator of a flight program is a word of its exporter, not of the library.
+// The estimator of a flight program is defined by its exporter, not by the library.
 TEST(Design, FliesWithTheEstimatorOfAnAddedExporter) {
   add_export_target({.name = "own-program", .takes_memory = true, .estimator = "general"});
   Design design = load_design(kSource + "/designs/crazyflie-flight.toml");
@@ -65,7 +65,7 @@ TEST(Design, InMemoryIsThatOfTheFile) {
     const std::string path = fmt::format("{}/designs/{}.toml", kSource, name);
     DesignOutcome file = run_design(std::filesystem::path(path));
     file.flights = fly_missions(file, 1, false);
-    // What is in memory is exported to no program, whose estimator it would fly with.
+    // A design in memory has no export whose estimator it would fly with.
     DesignRequirements requirements = requirements_of(file.design);
     for (MissionRequest& mission : requirements.missions)
       mission.estimator = name == "uquad-hover" ? "uquad" : "mambo";
@@ -111,7 +111,7 @@ TEST(Design, IsTheUsualCascadeWhereNothingIsAsked) {
   }
 }
 
-// The same cascade, asked for in a file that says nothing else of it.
+// The same cascade, from a file without further settings.
 TEST(Design, FilesOfFlightsHaveTheUsualCascadeAndPass) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::string name : {"uquad", "rolling-spider", "crazyflie"}) {
@@ -134,7 +134,7 @@ TEST(Design, FilesOfFlightsHaveTheUsualCascadeAndPass) {
   }
 }
 
-// The position loops of a cascade, cut where they command the tilt.
+// The position loops of a cascade, cut at the tilt command.
 TEST(Design, PositionLoopsKeepTheirPhase) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::string& name : built_in_vehicles()) {
@@ -164,7 +164,7 @@ TEST(Design, HasTheStandardWeightsOfAnLqr) {
   }
 }
 
-// Five seeds, a gust, and a load of a tenth of the mass that is picked up; all have to pass.
+// Five seeds, a gust, and a load of a tenth of the mass that is picked up; all flights must pass.
 TEST(Design, FliesSeedsAGustAndALoad) {
   const Vehicle vehicle = load_vehicle("mambo");
   DesignRequirements requirements;
@@ -188,7 +188,7 @@ TEST(Design, FliesSeedsAGustAndALoad) {
   const FlightEvent& event = load.plan.setup.mission.events[0];
   EXPECT_EQ(event.time, duration_of(load.plan.setup) / 2);
   EXPECT_NEAR(std::get<LoadChange>(event.what).mass, 0.1 * vehicle.mass, 1e-12);
-  // The weight lowers the vehicle at first.
+  // The weight initially lowers the vehicle.
   EXPECT_GT(load.result.metrics[Metric::height_max],
             2 * outcome.flights[0].result.metrics[Metric::height_max]);
   EXPECT_TRUE(missions_passed(outcome));
@@ -207,18 +207,18 @@ TEST(Design, TakesACascadeAndFliesIt) {
   EXPECT_FALSE(unstable(*outcome.cascade));
   ASSERT_EQ(outcome.flights.size(), 1U);
   EXPECT_FALSE(outcome.flights[0].result.log.columns.empty());
-  // The cascade that `quadtune fly` designs flies the same.
+  // The cascade that `quadtune fly` designs gives the same flight.
   FlightOptions options;
   options.controller = "cascaded-pid";
   EXPECT_EQ(outcome.flights[0].result.final_state, fly(vehicle, options).result.final_state);
-  // Files can be made of it as of any design.
+  // It can be exported like any design.
   const ExportContent content = export_content(outcome);
   EXPECT_EQ(content.cascade->gains.loops.size(), 6U);
   ASSERT_EQ(content.inputs.size(), 1U);
   EXPECT_EQ(content.inputs[0].name, "mambo.toml");
 }
 
-/// Its law is the one of `fly V --controller state-feedback`, and passes with its own sensors.
+/// Its law is that of `fly V --controller state-feedback`, and passes with its own sensors.
 TEST(Design, TakesAStateFeedbackForTheFlownPlant) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   DesignRequirements requirements;
@@ -258,7 +258,7 @@ TEST(Design, FliesNothingWhereNothingIsAsked) {
   const DesignOutcome outcome = design(load_vehicle("crazyflie"), requirements);
   EXPECT_THAT(outcome.flights, IsEmpty());
   EXPECT_TRUE(missions_passed(outcome));
-  EXPECT_THAT(doubtful_covariances(outcome.design), IsEmpty());
+  EXPECT_THAT(unconfirmed_covariances(outcome.design), IsEmpty());
 }
 
 TEST(Design, RefusesAMissionThatThereIsNot) {

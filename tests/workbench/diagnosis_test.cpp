@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Each cause of a failed flight, made on purpose.
+/// Each cause of a failed flight, provoked on purpose.
 #include "quadtune/workbench/flight/diagnosis.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ TEST(Diagnosis, IsNoneOfAFlightThatPassed) {
   EXPECT_EQ(diagnosis.why, "");
 }
 
-// A rate loop of the wrong sign grows with true states, too.
+// A rate loop with the wrong sign is unstable with true states, too.
 TEST(Diagnosis, FindsAnUnstableLoop) {
   PlannedFlight plan = planned("mambo");
   for (PidLoop& loop : std::get<CascadeController>(plan.setup.controller).gains.loops)
@@ -43,7 +43,7 @@ TEST(Diagnosis, FindsAnUnstableLoop) {
   EXPECT_THAT(diagnosis.next, HasSubstr("quadtune margins mambo --gains gains.json"));
 }
 
-// The flow compensated by a gyroscope that is late: stable with true states only.
+// The flow compensated with a delayed gyroscope: stable with true states only.
 TEST(Diagnosis, FindsALoopThatItsEstimatorDestabilizes) {
   FlightOptions options;
   options.vehicle = "mambo";
@@ -58,7 +58,7 @@ TEST(Diagnosis, FindsALoopThatItsEstimatorDestabilizes) {
   EXPECT_THAT(diagnosis.why, HasSubstr("stable with true states"));
 }
 
-// A position loop with a hundredth of its gain does not arrive.
+// A position loop with a hundredth of its gain does not reach its set point.
 TEST(Diagnosis, FindsALawThatIsTooSlow) {
   PlannedFlight plan = planned("mambo", "step-north", 10);
   for (PidLoop& loop : std::get<CascadeController>(plan.setup.controller).gains.loops)
@@ -71,31 +71,33 @@ TEST(Diagnosis, FindsALawThatIsTooSlow) {
   EXPECT_THAT(diagnosis.why, HasSubstr("the law alone fails"));
 }
 
-// A motor that stops, and a load that is too much for the mission's limits: not the law's fault.
+// A motor that stops, and a load too heavy for the mission's limits: not a failure of the law.
 TEST(Diagnosis, FindsAnEvent) {
   PlannedFlight plan = planned("mambo", "hover", 30);
   plan.setup.mission.events = {{15, MotorFault{2, 0}}};
   const Diagnosis stopped = diagnosis_of(plan);
   EXPECT_EQ(stopped.cause, FlightCause::event) << stopped.why;
-  EXPECT_THAT(stopped.why, HasSubstr("motor 2 stops at 15 s: with true states the law passes "
-                                     "without it, and with it "));
+  EXPECT_THAT(
+      stopped.why,
+      HasSubstr(
+          "motor 2 stops at 15 s: with true states the law passes without it and fails with it: "));
   EXPECT_THAT(stopped.next, HasSubstr("thrust_share above 0"));
   plan.setup.mission.events = {{15, LoadChange{0.3 * plan.setup.vehicle.mass}}};
   const Diagnosis loaded = diagnosis_of(plan);
   EXPECT_EQ(loaded.cause, FlightCause::event) << loaded.why;
   EXPECT_THAT(loaded.why, HasSubstr("is picked up at 15 s"));
   EXPECT_THAT(loaded.next, HasSubstr("quadtune tune pid mambo --mission FILE"));
-  // Of two events the one without which it passes; a load that the motors cannot lift.
+  // With two events: the one without which the law passes; a load that the motors cannot lift.
   plan.setup.mission.events.push_back({20, LoadChange{-0.001}});
   EXPECT_THAT(diagnosis_of(plan).why, HasSubstr("is picked up at 15 s: with true states"));
   plan.setup.mission.events = {{15, LoadChange{0.1}}};
   const Diagnosis heavy = diagnosis_of(plan);
   EXPECT_EQ(heavy.cause, FlightCause::event);
-  EXPECT_THAT(heavy.why, HasSubstr("heavier than the thrust that the law may ask for"));
+  EXPECT_THAT(heavy.why, HasSubstr("heavier than the maximum thrust of the law"));
   EXPECT_THAT(heavy.next, HasSubstr("more thrust, or a copy of the mission's file"));
 }
 
-// A tilt limit a little below what the law takes.
+// A tilt limit slightly below the tilt that the law commands.
 TEST(Diagnosis, FindsLimitsThatAreTight) {
   PlannedFlight plan = planned("mambo", "step-north", 15);
   PlannedFlight truth = plan;
@@ -107,20 +109,20 @@ TEST(Diagnosis, FindsLimitsThatAreTight) {
   EXPECT_THAT(diagnosis.next, HasSubstr("wider [limits]"));
 }
 
-/// Limits that no sensors of this kind can keep, as if nothing had widened them.
-PlannedFlight with_limit(PlannedFlight plan, Metric metric, double most) {
-  plan.setup.mission.limits = {{metric, most}};
+/// Limits that these sensors do not allow, without widening.
+PlannedFlight with_limit(PlannedFlight plan, Metric metric, double max) {
+  plan.setup.mission.limits = {{metric, max}};
   plan.widened.clear();
   return plan;
 }
 
-// The Mambo's flow has no noise in its file: what its position lacks is its filter's.
+// The Mambo's flow has no noise in its file: errors of its position are those of the filter.
 TEST(Diagnosis, FindsAnEstimatorWorseThanItsSensors) {
   const Diagnosis diagnosis =
       diagnosis_of(with_limit(planned("mambo", "hover", 60), Metric::tracking_rms, 1e-3));
   EXPECT_EQ(diagnosis.cause, FlightCause::estimator) << diagnosis.why;
   EXPECT_GT(diagnosis.evidence.estimate_rms, diagnosis.evidence.estimate_limit);
-  EXPECT_THAT(diagnosis.why, HasSubstr("the best filter of these sensors"));
+  EXPECT_THAT(diagnosis.why, HasSubstr("the optimal filter with these sensors"));
 }
 
 TEST(Diagnosis, FindsDriftOfDeadReckoning) {
@@ -139,10 +141,10 @@ TEST(Diagnosis, FindsTheSensorsThemselves) {
       diagnosis_of(with_limit(planned("uquad", "hover", 60), Metric::tracking_rms, 0.05));
   EXPECT_EQ(diagnosis.cause, FlightCause::sensors) << diagnosis.why;
   EXPECT_NEAR(diagnosis.evidence.bound_rms, 0.32, 0.02);
-  EXPECT_THAT(diagnosis.why, HasSubstr("the best filter of these sensors"));
+  EXPECT_THAT(diagnosis.why, HasSubstr("the optimal filter with these sensors"));
 }
 
-// A tilt that no error of the position explains.
+// A tilt that errors of the position do not explain.
 TEST(Diagnosis, FindsALawThatFollowsItsNoise) {
   PlannedFlight plan = planned("uquad", "hover", 60);
   PlannedFlight truth = plan;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What an error exceeds in one flight of many, against closed forms and simulated errors.
+/// Values that an error exceeds in one of many flights, compared with closed forms and simulations.
 #include "quadtune/workbench/flight/error_quantiles.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ ErrorCovariance error_of(double duration, double (*covariance)(double s, double 
 
 const std::vector<bool> kAll(kOutputs, true);
 
-/// P(a standard normal number > u)
+/// P(standard normal variable > u)
 double tail(double u) { return std::erfc(u / std::sqrt(2.0)) / 2; }
 
 TEST(RarelyExceeded, IsTheQuantileOfNormalAndRayleigh) {
@@ -55,7 +55,7 @@ TEST(RarelyExceeded, IsTheQuantileOfNormalAndRayleigh) {
   EXPECT_EQ(rarely_exceeded({0, 0}), 0);
 }
 
-// W has E W²(t) = t: the mean over T is T/2, its variance T²/3, hence 1.5 degrees of freedom an
+// W has E W²(t) = t: the mean over T is T/2 with variance T²/3, hence 1.5 degrees of freedom per
 // axis. By the reflection principle P(max |W| > L) is at most, and nearly, 2 P(|W(T)| > L).
 TEST(ErrorSize, OfARandomWalk) {
   const double T = 50;
@@ -69,7 +69,7 @@ TEST(ErrorSize, OfARandomWalk) {
   EXPECT_LT(exceeded, 1.3e-3);
 }
 
-// An error that keeps its value is exceeded at once or never.
+// A constant error exceeds a value immediately or never.
 TEST(ErrorSize, OfAConstantError) {
   const ErrorCovariance constant = error_of(10, [](double, double) { return 0.25; });
   const ErrorSize size = error_size({constant}, times(10), kAll);
@@ -79,27 +79,27 @@ TEST(ErrorSize, OfAConstantError) {
   EXPECT_NEAR(size.rms_rarely, rarely_exceeded({0.25}), 1e-3 * size.rms_rarely);
 }
 
-// 4000 simulated errors with the correlation e^(-|t|), two axes: as many exceed it as are said.
+// 4000 simulated errors with the correlation e^(-|t|) on two axes: the predicted share exceeds it.
 TEST(ErrorSize, OfAnErrorThatForgets) {
   const double T = 40, share = 0.05;
   const ErrorCovariance axis =
       error_of(T, [](double s, double t) { return std::exp(-std::abs(t - s)); });
   const ErrorSize size = error_size({axis, axis}, times(T), kAll, share);
-  EXPECT_NEAR(size.samples, 2 * T, 0.15 * 2 * T);  // T²/∫∫ρ² = T/τ an axis
+  EXPECT_NEAR(size.samples, 2 * T, 0.15 * 2 * T);  // T²/∫∫ρ² = T/τ per axis
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   constexpr int kFlights = 4000, kFine = 4000;
   const double keep = std::exp(-T / kFine), add = std::sqrt(1 - keep * keep);
   int over_most = 0, over_rms = 0;
   for (int i = 0; i < kFlights; ++i) {
-    double x = normal(random), y = normal(random), most = 0, sum = 0;
+    double x = normal(random), y = normal(random), max = 0, sum = 0;
     for (int k = 0; k < kFine; ++k) {
       x = keep * x + add * normal(random);
       y = keep * y + add * normal(random);
-      most = std::max(most, x * x + y * y);
+      max = std::max(max, x * x + y * y);
       sum += (x * x + y * y) / kFine;
     }
-    over_most += std::sqrt(most) > size.most_rarely;
+    over_most += std::sqrt(max) > size.most_rarely;
     over_rms += std::sqrt(sum) > size.rms_rarely;
   }
   EXPECT_LT(over_most, 1.3 * share * kFlights);

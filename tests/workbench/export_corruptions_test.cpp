@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verification of exports: 400 seeded corruptions of every format are rejected but for those that
-// are listed with a reason, those by the design file as well, and 400 intact exports are accepted.
+// Verification of exports: 400 seeded corruptions of every format are rejected except those listed
+// with a reason, which are rejected with the design file, and 400 intact exports are accepted.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -68,7 +68,7 @@ Design built_in_design(const std::string& name) {
   return load_design(fs::path(testing::source_folder()) / "designs" / (name + ".toml"));
 }
 
-// A solved design with the exports that it can be written as.
+// A solved design with its possible exports.
 struct Source {
   DesignOutcome outcome;
   std::vector<std::string> kinds;
@@ -85,7 +85,7 @@ Design design_named(const std::string& name) {
   return name.ends_with("-hover") ? built_in_design(name) : parameters_design(name);
 }
 
-// The same design for a vehicle that differs by some percent.
+// The same design for a vehicle that differs by some per cent.
 Design varied(Design design, Random& random) {
   std::uniform_real_distribution<double> factor(0.95, 1.05);
   design.vehicle.mass *= factor(random);
@@ -143,16 +143,16 @@ TEST(ExportCorruptions, NoneOf400IntactExportsIsRejected) {
   EXPECT_EQ(of_kind.size(), exporters().size()) << "a kind of export that this test leaves out";
 }
 
-// How far the corruption is covered up.
+// The degree to which the corruption is covered up.
 enum class Cover {
-  none,      // the manifest stays
-  hash,      // it has the hash of the corrupted file
-  manifest,  // and the laws, weights and numbers that the file now holds
-  poles      // and the poles of these laws
+  none,      // the manifest is not changed
+  hash,      // also the hash of the file
+  manifest,  // also the laws, weights and numbers of the file
+  poles      // also the poles of these laws
 };
 constexpr Cover kCovers[] = {Cover::none, Cover::hash, Cover::manifest, Cover::poles};
 
-// The numbers of a text: where each begins and ends. Digits of names are not among them.
+// The start and end of each number in a text. Digits of names are excluded.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_in(const std::string& text) {
   std::vector<std::pair<std::size_t, std::size_t>> found;
   const auto is_name = [&](std::size_t at) {
@@ -203,7 +203,7 @@ std::string scaled(const std::string& number, double factor) {
   return fmt::format("{}", std::strtod(number.c_str(), nullptr) * factor);
 }
 
-// One corruption of a file. `other` is the file of this name in the export of another design.
+// One corruption of a file. `other` is the file with this name in the export of another design.
 using Corruption = std::string (*)(const std::string& text, const std::string& other, Random&);
 struct NamedCorruption {
   const char* name;
@@ -267,7 +267,7 @@ const NamedCorruption kKinds[] = {
      [](const std::string&, const std::string& other, Random&) { return other; }},
 };
 
-// A manifest that agrees with the changed files as far as a forger can make it.
+// A manifest that agrees with the changed files as far as a forger can achieve it.
 Manifest forged(const TemporaryDirectory& directory, const Source& source, Cover cover) {
   const fs::path& path = directory.path();
   Manifest manifest = read_manifest(path);
@@ -323,7 +323,7 @@ bool same_but_cascade(const std::string& before, const std::string& after, bool 
   return without(before) == without(after);
 }
 
-// Whether two files differ in their comments alone.
+// Whether two files differ only in their comments.
 bool same_numbers_in_m(const std::string& before, const std::string& after) {
   const auto numbers = [](const std::string& text) {
     std::ostringstream all;
@@ -338,7 +338,7 @@ bool same_numbers_in_m(const std::string& before, const std::string& after) {
   }
 }
 
-// The same of two controllerVars.m.
+// The same for two controllerVars.m.
 bool same_but_cascade_in_m(const std::string& before, const std::string& after, bool other_loops) {
   const auto without = [&](const std::string& text) {
     std::vector<std::string> kept;
@@ -356,7 +356,7 @@ bool same_but_cascade_in_m(const std::string& before, const std::string& after, 
   return without(before) == without(after);
 }
 
-// Whether two manifests say the same but for versions, iterations, residual, condition, and poles
+// Whether two manifests are equal except for versions, iterations, residual, condition, and poles
 // in another order or within the tolerance of their comparison.
 bool same_but_records(const std::string& before, const std::string& after) {
   const auto parsed = [](const std::string& text) -> std::optional<nlohmann::json> {
@@ -384,7 +384,7 @@ bool same_but_records(const std::string& before, const std::string& after) {
          });
 }
 
-// Why a corruption cannot be seen without the design file; empty where it must be seen.
+// Why a corruption cannot be detected without the design file; empty if it must be detected.
 std::string undetectable(const std::string& kind, const std::string& file,
                          const std::string& before, const std::string& after, Cover cover) {
   if (file == kManifestName && same_but_records(before, after))
@@ -423,7 +423,7 @@ std::string undetectable(const std::string& kind, const std::string& file,
 struct Noticed {
   bool by_files = false;   // without the design
   bool by_design = false;  // with it
-  std::string all;         // what was said
+  std::string all;         // all details
 };
 
 Noticed seen(const TemporaryDirectory& directory, const Source& source) {
@@ -527,7 +527,7 @@ class Corrupted {
     return files;
   }
 
-  // False where the files cannot be read any more: nothing covers that up.
+  // False if the files can no longer be read: this cannot be covered up.
   static bool cover_up(const TemporaryDirectory& directory, const Source& source, Cover cover) {
     try {
       directory.write(kManifestName, manifest_text(forged(directory, source, cover)));

@@ -24,7 +24,7 @@ const FirmwareLoop& loop_of(const std::vector<FirmwareLoop>& loops, CascadeAxis 
   return loops[index_of(axis)];
 }
 
-/// Where a loop crosses 1, and the phase that is left there [deg].
+/// The crossover of a loop and its phase margin [deg].
 std::pair<double, double> crossover(const std::function<Complex(double)>& L) {
   double low = 1, high = 1000;
   for (int i = 0; i < 200; ++i) {
@@ -34,8 +34,8 @@ std::pair<double, double> crossover(const std::function<Complex(double)>& L) {
   return {low, 180 + std::arg(L(low)) * 180 / std::numbers::pi};
 }
 
-// PX4 on its own simulator, whose body resists a turn with 0.025 N m s: 14.311 rad/s and 64.40
-// degrees by hand, without the delay of computing.
+// PX4 on its own simulator, whose body damps rotations with 0.025 N m s: 14.311 rad/s and 64.40
+// degrees by hand, without the delay of the computation.
 TEST(FirmwareImport, Px4RateLoopHasTheCrossoverOfTheWorkedCase) {
   const Vehicle vehicle = testing::sih_vehicle();
   const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
@@ -52,8 +52,8 @@ TEST(FirmwareImport, Px4RateLoopHasTheCrossoverOfTheWorkedCase) {
   EXPECT_NEAR(phase, 64.40, 0.01);
 }
 
-// The gain alone crosses at k = G P/J, and with a lag where w² (1 + lag² w²) = k²: 13.9267 rad/s
-// and 55.15 degrees with 50 ms.
+// A pure gain crosses at k = G P/J, and with a lag where w² (1 + lag² w²) = k²: 13.9267 rad/s and
+// 55.15 degrees with 50 ms.
 TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
   Vehicle vehicle = testing::sih_vehicle();
   const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
@@ -75,7 +75,7 @@ TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
   EXPECT_NEAR(of().second, 90, 1e-6);
 }
 
-// A rotor that is accelerated turns the body the other way: (dQ/dw + J_r s) δw about z.
+// An accelerating rotor turns the body in the opposite direction: (dQ/dw + J_r s) δw about z.
 TEST(FirmwareImport, ReactionOfTheRotorsLeadsInYawAlone) {
   Vehicle vehicle = testing::iris_vehicle();
   const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
@@ -92,7 +92,7 @@ TEST(FirmwareImport, ReactionOfTheRotorsLeadsInYawAlone) {
   EXPECT_LT(std::abs(loop(CascadeAxis::yaw, s) / expected - 1.0), 1e-12);
 }
 
-/// Filters of a loop at one frequency.
+/// The filters of a loop at one frequency.
 struct AtOne {
   Complex gyroscope = 1, derivative = 1, error = 1, target = 1;
 };
@@ -163,7 +163,7 @@ TEST(FirmwareImport, PilotsLoopsAreThoseOfTheDesign) {
   const FirmwareImport import =
       import_parameters(firmware(FirmwareKind::betaflight, {}, "test"),
                         load_vehicle(testing::source_folder() + "/vehicles/quad-450.toml"), {});
-  EXPECT_THAT(import.notes, Contains(HasSubstr("x, y and altitude are the pilot's")));
+  EXPECT_THAT(import.notes, Contains(HasSubstr("x, y and altitude are controlled by the pilot")));
   EXPECT_NE(import.content.cascade->gains.loops[index_of(CascadeAxis::x)].Kp, 0);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loops of autopilots as they fly, against their parameters by hand and against the margins
-// that are computed from the same loops in continuous time.
+// The flying loops of autopilots, compared with their parameters by hand and with the margins of
+// the same loops in continuous time.
 #include "quadtune/workbench/firmware/firmware_law.hpp"
 
 #include <gmock/gmock.h>
@@ -64,8 +64,8 @@ Reference<double> level() {
   return reference;
 }
 
-/// Whether a turn about one axis by the firmware's law dies out. The axis is integrated by itself:
-/// the torque is held over a sample and follows with the rotors' lag.
+/// Whether a rotation about one axis decays under the firmware's law. The axis is integrated
+/// separately: the torque is held over a sample and follows with the motor lag.
 bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int axis, double inertia,
               double lag) {
   const OwnController controller = firmware_controller(vehicle, parameters, {});
@@ -86,15 +86,15 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
       angle += h * (rate + 0.5 * h * acceleration);
       rate += h * acceleration;
     }
-    double& greatest = t > 0.5 * kTime ? late : early;
+    double& max = t > 0.5 * kTime ? late : early;
     if (t > 0.9 * kTime || (t > 0.1 * kTime && t < 0.2 * kTime))
-      greatest = std::max(greatest, std::abs(rate));
+      max = std::max(max, std::abs(rate));
   }
-  return late < 0.7 * early;  // one that grows ends where its limits hold it
+  return late < 0.7 * early;  // a growing one ends at its limits
 }
 
-// The gain margin of the loop in continuous time is the factor by which the inertia may shrink
-// before the sampled law with its filters shakes.
+// The gain margin of the loop in continuous time is the factor by which the inertia may decrease
+// before the sampled law with its filters oscillates.
 TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
   int compared = 0;
   for (const std::string name : {"quad-450", "crazyflie"}) {
@@ -113,10 +113,10 @@ TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
         const auto holds = [&](double factor) {
           return dies_out(vehicle, parameters, axis, turn.inertia / factor, turn.lag);
         };
-        // The difference of D and the filters' steps take some of it: 4 % at 400 and 800 Hz, 19 %
-        // of the Crazyflie's, whose D has the steps of 2 ms and no filter.
-        const double least = kind == FirmwareKind::crazyflie ? 0.78 : 0.93;
-        EXPECT_TRUE(holds(least * turn.whole.gain_margin))
+        // The differencing of D and the sampling of the filters reduce it: by 4 % at 400 and 800
+        // Hz, by 19 % for the Crazyflie, whose D has a period of 2 ms and no filter.
+        const double min = kind == FirmwareKind::crazyflie ? 0.78 : 0.93;
+        EXPECT_TRUE(holds(min * turn.whole.gain_margin))
             << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
         EXPECT_FALSE(holds(1.05 * turn.whole.gain_margin))
             << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
@@ -126,7 +126,7 @@ TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
   EXPECT_GE(compared, 14);
 }
 
-// From rest the filters stand at their inputs and the integrals at 0: P A e, and what FF adds.
+// At rest the filters have the values of their inputs and the integrals are 0: P A e plus FF.
 TEST(FirmwareLaw, FirstTorqueIsThatOfTheGains) {
   const Vehicle vehicle = testing::crazyflie_vehicle();
   for (const FirmwareKind kind : kFirmwares) {
@@ -149,7 +149,7 @@ TEST(FirmwareLaw, FirstTorqueIsThatOfTheGains) {
   }
 }
 
-// A torque acts one sample after what it answers, as the margins have it.
+// A torque acts one sample after its measurement, as assumed in the margins.
 TEST(FirmwareLaw, TorqueComesOneSampleLate) {
   const Vehicle vehicle = testing::crazyflie_vehicle();
   const std::unique_ptr<FlightLaw> law = law_of(vehicle, defaults_of(FirmwareKind::crazyflie));
@@ -161,8 +161,8 @@ TEST(FirmwareLaw, TorqueComesOneSampleLate) {
   EXPECT_LT(law->command(at(tilted), level())(1), 0);
 }
 
-// Signs: below its place the vehicle lifts, south of it it pitches its nose down, which is
-// negative, west of it it rolls to the right, and it turns towards its heading the short way.
+// Signs: below its set point the vehicle climbs, south of it it pitches nose down, which is
+// negative, west of it it rolls to the right, and it turns to its heading the short way.
 TEST(FirmwareLaw, PushesTowardsItsPlace) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   for (const FirmwareKind kind : kFirmwares) {
@@ -183,7 +183,7 @@ TEST(FirmwareLaw, PushesTowardsItsPlace) {
     EXPECT_GT(wrench_at(1, -0.5)(1), 0) << to_string(kind);
     EXPECT_GT(wrench_at(5, -0.2)(3), 0) << to_string(kind);
     EXPECT_LT(wrench_at(5, -3, 3)(3), 0) << to_string(kind) << ": -3 to 3 is 0.28 to the left";
-    // Along the heading: turned to the east, a place in the east lies ahead.
+    // Along the heading: for a vehicle that faces east, a position in the east is ahead.
     const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters, pilot);
     StateVector<double> x = StateVector<double>::Zero();
     x(5) = std::numbers::pi / 2;
@@ -196,7 +196,7 @@ TEST(FirmwareLaw, PushesTowardsItsPlace) {
   }
 }
 
-// A rate that does not follow fills the integral: I e t, up to the firmware's limit.
+// A persistent rate error fills the integral: I e t, up to the firmware's limit.
 TEST(FirmwareLaw, IntegralGrowsToItsLimit) {
   const Vehicle vehicle = testing::sih_vehicle();
   const StoredParameters parameters = {
@@ -213,19 +213,19 @@ TEST(FirmwareLaw, IntegralGrowsToItsLimit) {
       torque = asked(1);
       Eigen::VectorXd made = asked;
       made(1) -= excess;
-      law->carried_out(asked, made);
+      law->on_realized(asked, made);
     }
     return torque;
   };
-  // 802 samples of 1/800 s; the last two do not show yet.
+  // 802 samples of 1/800 s; the last two have no effect yet.
   EXPECT_NEAR(torque_after(802, 0), scale * 0.5 * 0.1 * 1.0, 1e-9);
   EXPECT_NEAR(torque_after(80000, 0), scale * 0.3, 1e-9);
-  // What the motors do not make stops it in its direction, and in no other.
+  // If the motors saturate, the integral stops in this direction only.
   EXPECT_NEAR(torque_after(802, 0.01), scale * 0.5 * 0.1 / 800, 1e-9);
   EXPECT_NEAR(torque_after(802, -0.01), scale * 0.5 * 0.1, 1e-9);
 }
 
-/// Tilt that the law asks for, by the torques of P alone: [ahead, right] [rad].
+/// Tilt set point of the law, from the torques of P only: [ahead, right] [rad].
 Eigen::Vector2d tilt_asked(FlightLaw& law, const StateVector<double>& x,
                            const Reference<double>& reference, const Vehicle& vehicle,
                            const StoredParameters& parameters) {
@@ -239,7 +239,7 @@ Eigen::Vector2d tilt_asked(FlightLaw& law, const StateVector<double>& x,
   return {-angle(CascadeAxis::pitch, 2), angle(CascadeAxis::roll, 1)};
 }
 
-// The first tilt for a place 0.3 m away: scale P A e, with no integral yet, in each axis.
+// The first tilt for a position error of 0.3 m: scale P A e, without an integral, in each axis.
 TEST(FirmwareLaw, FirstTiltIsThatOfTheGains) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   for (const FirmwareKind kind : {FirmwareKind::px4, FirmwareKind::crazyflie}) {
@@ -257,8 +257,8 @@ TEST(FirmwareLaw, FirstTiltIsThatOfTheGains) {
   }
 }
 
-// Far away to the north-east: PX4 and ArduPilot limit the tilt as a vector, a Crazyflie each part.
-// The file's limit counts.
+// Far away to the north-east: PX4 and ArduPilot limit the tilt as a vector, a Crazyflie each
+// component. The limit of the file applies.
 TEST(FirmwareLaw, TiltIsLimitedAsTheFirmwareDoes) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   Reference<double> far;
@@ -270,24 +270,24 @@ TEST(FirmwareLaw, TiltIsLimitedAsTheFirmwareDoes) {
     const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
     return tilt_asked(*law, StateVector<double>::Zero(), far, vehicle, parameters);
   };
-  // Whatever of the rates would be limited is not, so that the torque tells the tilt.
+  // The limits of the rates are disabled, so that the torque reveals the tilt.
   const std::vector<Parameter> px4 = {
       {"MC_ROLLRATE_MAX", 1800}, {"MC_PITCHRATE_MAX", 1800}, {"MPC_TILTMAX_AIR", 25}};
   EXPECT_NEAR(tilt(FirmwareKind::px4, px4).norm(), 25 * degree, 1e-9);
-  EXPECT_NEAR(tilt(FirmwareKind::px4, px4)(0), 20 * degree, 1e-9);  // 4 : 3, as the place lies
+  EXPECT_NEAR(tilt(FirmwareKind::px4, px4)(0), 20 * degree, 1e-9);  // 4 : 3, like the position
   EXPECT_NEAR(tilt(FirmwareKind::crazyflie, {{"posCtlPid.xVelMax", 50}, {"posCtlPid.yVelMax", 50}})
                   .cwiseAbs()
                   .minCoeff(),
               20 * degree, 1e-9);
 }
 
-// A wind to the north fills the integral of PX4, which stays in the north when the vehicle turns; a
-// Crazyflie's turns with it.
+// A wind to the north fills the integral of PX4, which keeps its direction when the vehicle turns;
+// that of a Crazyflie turns with it.
 TEST(FirmwareLaw, IntegralsOfVelocityAreInTheFirmwaresAxes) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   for (const FirmwareKind kind : {FirmwareKind::px4, FirmwareKind::crazyflie}) {
     StoredParameters parameters = defaults_of(kind);
-    // Only the integral of the velocity acts, and the angle's and the rate's gains show it.
+    // Only the integral of the velocity acts; the gains of angle and rate make it visible.
     if (kind == FirmwareKind::px4)
       parameters.values = {{"MC_ROLLRATE_I", 0}, {"MC_PITCHRATE_I", 0}, {"MPC_XY_VEL_D_ACC", 0}};
     else
@@ -305,7 +305,7 @@ TEST(FirmwareLaw, IntegralsOfVelocityAreInTheFirmwaresAxes) {
     there.yaw = turned(5);
     Eigen::Vector2d tilt;
     for (int i = 0; i < 1000; ++i) tilt = tilt_asked(*law, turned, there, vehicle, parameters);
-    // Against a push to the north: to the south, which is to the right of a nose in the east.
+    // Against a push to the north: to the south, which is to the right of a vehicle facing east.
     if (kind == FirmwareKind::px4) {
       EXPECT_NEAR(tilt(0), 0, 1e-6);
       EXPECT_GT(tilt(1), 0.002);
@@ -316,7 +316,7 @@ TEST(FirmwareLaw, IntegralsOfVelocityAreInTheFirmwaresAxes) {
   }
 }
 
-// A climb that the motors cannot make: the integral waits, and is what it was when it is over.
+// A climb that the motors cannot achieve: the integral stops, and is unchanged afterwards.
 TEST(FirmwareLaw, ThrustAtItsLimitFillsNoIntegral) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   for (const FirmwareKind kind :
@@ -334,24 +334,24 @@ TEST(FirmwareLaw, ThrustAtItsLimitFillsNoIntegral) {
       const StateVector<double> rest = StateVector<double>::Zero();
       for (double t = 0; t < seconds; t += controller.dt) {
         const Eigen::VectorXd asked = law->command(at(rest), high);
-        law->carried_out(asked, asked);
+        law->on_realized(asked, asked);
       }
       double thrust = 0;  // of a hover right after, its filters settled
       for (double t = 0; t < 0.3; t += controller.dt) {
         const Eigen::VectorXd asked = law->command(at(rest), Reference<double>());
-        law->carried_out(asked, asked);
+        law->on_realized(asked, asked);
         thrust = asked(0);
       }
       return thrust;
     };
-    // Only what the integrals gained before the thrust reached its limit remains.
+    // Only what the integrals gained before the thrust saturated remains.
     const double weight = vehicle.mass * vehicle.gravity;
     EXPECT_NEAR(thrust_after(1), thrust_after(5), 1e-9 * weight) << to_string(kind);
     EXPECT_NEAR(thrust_after(5), weight, 0.1 * weight) << to_string(kind);
   }
 }
 
-// ArduPilot's acceleration is answered by its share of what is asked for: 0.1 ACCZ_P thrust/mass.
+// The response to ArduPilot's acceleration error is a share of the request: 0.1 ACCZ_P thrust/mass.
 TEST(FirmwareLaw, ArduPilotsAccelerationLoopIsPartOfTheHeight) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {"4.6", ""}, "test");
@@ -365,12 +365,12 @@ TEST(FirmwareLaw, ArduPilotsAccelerationLoopIsPartOfTheHeight) {
     return law->command(at(StateVector<double>::Zero()), above)(0) - vehicle.mass * vehicle.gravity;
   };
   const FirmwareScale scale = firmware_scale(ardupilot, vehicle, {});
-  // 1 m/s per m, then 5 m/s^2 per m/s: 0.05 m/s^2 is asked for.
+  // 1 m/s per m, then 5 m/s^2 per m/s: a request of 0.05 m/s^2.
   EXPECT_NEAR(lift(0.5), 0.1 * 0.5 * scale.thrust * 0.05, 1e-9);
   EXPECT_NEAR(lift(0), 0, 1e-9);
 }
 
-// Full flights: what has margins passes with five seeds, what is unstable does not.
+// Complete flights: laws with margins pass with five seeds, unstable ones do not.
 TEST(FirmwareLaw, FliesWhereItsMarginsAre) {
   const struct {
     FirmwareKind kind;
@@ -384,7 +384,7 @@ TEST(FirmwareLaw, FliesWhereItsMarginsAre) {
   for (const auto& one : cases) {
     const Vehicle vehicle = vehicle_of_file(one.vehicle);
     const StoredParameters parameters = defaults_of(one.kind);
-    // Of the loops that Betaflight alone leaves to its pilot.
+    // For the loops that only Betaflight leaves to its pilot.
     const CascadeGains pilot =
         one.kind == FirmwareKind::betaflight
             ? vehicle_cascade(vehicle, {}, vehicle.name).content.cascade->gains
@@ -399,8 +399,8 @@ TEST(FirmwareLaw, FliesWhereItsMarginsAre) {
   }
 }
 
-// The filter that runs at 200 Hz on means of the board's readings knows as much as one that runs in
-// every period of a law of 5 ms: the readings have the density of the file.
+// The filter that runs at 200 Hz on means of the board's samples is as accurate as one that runs in
+// every period of a law of 5 ms: the samples have the noise density of the file.
 TEST(FirmwareLaw, BoardsFilterKnowsAsMuch) {
   const Vehicle vehicle = vehicle_of_file("quad-450");
   const auto error_of = [&](const ChosenLaw& law) {

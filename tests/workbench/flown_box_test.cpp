@@ -61,7 +61,7 @@ TEST(FlownBox, FindsTheCornerThatIsUnstable) {
   EXPECT_EQ(box.vehicles, 2);
   EXPECT_TRUE(box.worst->grows());
   EXPECT_EQ(box.parameters(6), 0.1);
-  // One thread or more: the same vehicle.
+  // One thread or more: the same result.
   FlownBoxOptions one;
   one.threads = 1;
   EXPECT_EQ(flown_box(flown.plan, flown.family(uncertainty), one).worst->mode.z, box.worst->mode.z);
@@ -70,7 +70,7 @@ TEST(FlownBox, FindsTheCornerThatIsUnstable) {
 TEST(FlownBox, SaysWhyAVehicleHasNoFlownPlant) {
   const Flown flown;
   VehicleUncertainty uncertainty;
-  uncertainty.mass = {1, 3};  // more than the motors carry
+  uncertainty.mass = {1, 3};  // more than the motors can lift
   const FlownBox box = flown_box(flown.plan, flown.family(uncertainty));
   EXPECT_FALSE(box.worst);
   EXPECT_THAT(box.why, ::testing::HasSubstr("hover"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The default designs on the flown plant: what they promise, on the built-in vehicles.
+/// The default designs on the flown plant satisfy their bounds for the built-in vehicles.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ TEST_P(FlownDesign, CascadeKeepsItsBounds) {
     at.height = height;
     at.evidence = MarginsEvidence::none;
     const FlownLoop loop = flown_loop(plan, at);
-    EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
+    EXPECT_TRUE(loop.stable()) << height << ": " << describe(loop);
   }
 }
 
@@ -76,19 +76,19 @@ TEST_P(FlownDesign, RegulatorHasItsMargins) {
       EXPECT_GE(axis[i].disk.alpha, 0.5);
     }
   }
-  // All groups of axes together, from the gains as they are flown.
+  // All groups of axes together, with the flown gains.
   const PlannedFlight plan =
       plan_of(vehicle, feedback_controller(design.lqi.gains, design.lqi.gains.dt));
   FlownLoopOptions at;
   at.evidence = MarginsEvidence::none;
   const FlownLoop loop = flown_loop(plan, at);
-  EXPECT_TRUE(loop.stable()) << in_words(loop);
+  EXPECT_TRUE(loop.stable()) << describe(loop);
 }
 
 INSTANTIATE_TEST_SUITE_P(Vehicles, FlownDesign,
                          ::testing::Values("mambo", "crazyflie", "rolling-spider", "uquad"));
 
-/// A late gyroscope takes margins away, and heavier weights on the commands bring them back.
+/// A delayed gyroscope reduces the margins, and larger weights on the commands restore them.
 TEST(FlownLqi, SoftensItsWeightsUntilTheMarginsHold) {
   if (testing::kSanitized) GTEST_SKIP() << "takes a minute; FlownDesign runs the same code";
   Vehicle vehicle = load_vehicle("rolling-spider");
@@ -103,16 +103,14 @@ TEST(FlownLqi, SoftensItsWeightsUntilTheMarginsHold) {
     const Index input = wrench_of(kFlownAxes[axis]);
     EXPECT_EQ(design.weights.R(input, input), design.softened[axis] * usual.R(input, input));
   }
-  // The usual weights, which stay where they are given, do not have the margins.
+  // The default weights, which are not changed if they are given, do not have the margins.
   options.weights = usual;
   const FlownLqi given = flown_lqi(vehicle, options);
   EXPECT_FALSE(given.met);
   EXPECT_EQ(given.softened, (std::array<double, 4>{1, 1, 1, 1}));
 }
 
-/// The cascade and the state feedback of one F are the same law, but for the instant at which the
-/// integral counts.
-/// The family's lags are 40 % longer and shorter also of rotors that slow down later.
+/// Both lags of a rotor, up and down, are 40 % longer and shorter in the family.
 TEST(FlownFamily, VariesBothLags) {
   Vehicle vehicle = load_vehicle("crazyflie");
   const auto poles = [](const FlownFamilyMember& member) { return member.plant.plant.A; };
@@ -131,7 +129,7 @@ TEST(FlownFamily, VariesBothLags) {
     EXPECT_EQ(poles(two[i])[0], poles(one[i])[0]) << two[i].name;
 }
 
-/// Rotors of 60 ms and more: a weaker inner loop does not help, a slower outer one does.
+/// Motor lags of 60 ms and more: a weaker inner loop does not help, a slower outer one does.
 TEST(FlownLqi, LowersTheWeightsOfPositionsForSlowRotors) {
   if (testing::kSanitized) GTEST_SKIP() << "some twenty designs, a minute each with sanitizers";
   const Vehicle hexa = load_vehicle(testing::source_folder() + "/vehicles/hexa-550.toml");
@@ -151,12 +149,12 @@ TEST(FlownLqi, LowersTheWeightsOfPositionsForSlowRotors) {
             "loop");
 }
 
-/// A law predicts by the delay of the commands as by that of the gyroscope.
+/// A law predicts by the delay of the commands plus that of the gyroscope.
 TEST(FlownLqi, PredictsByTheDelayOfTheCommands) {
   if (testing::kSanitized) GTEST_SKIP() << "takes a minute; FlownDesign runs the same code";
   Vehicle vehicle = load_vehicle("rolling-spider");
   const FlownLqiOptions options;
-  // Its file has no delay at all: the law needs no past commands.
+  // Its file has no delays: the law needs no past commands.
   EXPECT_FALSE(flown_lqi(vehicle, options).lqi.gains.memory);
   vehicle.motor.delay = 0.05;
   const auto memory = flown_lqi(vehicle, options).lqi.gains.memory;
@@ -183,9 +181,9 @@ TEST(FlownGains, CascadeIsTheSameLawAsItsMatrix) {
               MatrixRelativelyNear(MatrixXd(matrix.C * matrix.B), 1e-12));
 }
 
-/// The search sees the cascade with its Ki as a gain of a plant with two more states. The complete
-/// plant with the cascade around it has the same margins; the groups of axes of this symmetric
-/// vehicle are independent.
+/// In the search, the cascade with its Ki is a gain on a plant with two more states. The complete
+/// plant with the cascade has the same margins; the groups of axes of this symmetric vehicle are
+/// decoupled.
 TEST(FlownGains, TiltIntegralIsThatOfTheCascade) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   const FlownGains gains = flown_gains(vehicle);
@@ -219,8 +217,8 @@ TEST(FlownGainsBadInput, AMatrixHoldsNoTiltIntegral) {
   gains.axes[0].F = Eigen::RowVectorXd::Ones(5);
   gains.axes[0].tilt_integral = 1;
   EXPECT_THAT([&] { (void)as_state_feedback(gains, load_vehicle("crazyflie"), 0.005); },
-              ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr(
-                  "the gains of north have an integral in the tilt loop, expected none")));
+              ::testing::ThrowsMessage<InvalidInput>(
+                  ::testing::HasSubstr("the gains of north have an integral in the tilt loop")));
 }
 
 TEST(FlownAxisBadInput, ATiltIntegralNeedsATiltAndAPositiveRate) {
@@ -231,7 +229,7 @@ TEST(FlownAxisBadInput, ATiltIntegralNeedsATiltAndAPositiveRate) {
   plant.dt = 0.005;
   EXPECT_THAT([&] { (void)with_tilt_integral(plant, 1); },
               ::testing::ThrowsMessage<InvalidInput>(
-                  ::testing::HasSubstr("1 inputs and 2 outputs, expected a torque")));
+                  ::testing::HasSubstr("1 inputs and 2 outputs, expected 1 (torque)")));
   plant.C = MatrixXd::Ones(4, 2);
   for (const double rate : {std::nan(""), 0.0, -1.0, 200.0})
     EXPECT_THAT(

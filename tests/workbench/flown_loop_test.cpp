@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The loop of a flight as it flies, and designs that are refused by it.
+/// The flown loop of a flight, and designs that it makes fail.
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
   const PlannedFlight plan = plan_of_vehicle("mambo");
   for (const double height : {0.5, 1.1, 2.0, 3.0, 4.0}) {
     const FlownLoop loop = flown_loop(plan, at_height(height));
-    EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
+    EXPECT_TRUE(loop.stable()) << height << ": " << describe(loop);
     EXPECT_GT(loop.decay(), 0);
     EXPECT_EQ(loop.period, 10U);
     ASSERT_EQ(loop.margins.loops.size(), 4U);
@@ -48,7 +48,8 @@ TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
   }
 }
 
-/// Without the alignment of flow and gyroscope the same cascade falls from 3 m, as flights showed.
+/// Without the alignment of flow and gyroscope, the same cascade crashes from 3 m, as flights
+/// showed.
 TEST(FlownLoop, KnowsWhyTheMamboFell) {
   FlightOptions options;
   options.estimator = "mambo";
@@ -58,8 +59,8 @@ TEST(FlownLoop, KnowsWhyTheMamboFell) {
   before.setup.mambo_estimator.aligned_periods = 0;
   EXPECT_TRUE(flown_loop(before, at_height(2.0)).stable());
   const FlownLoop loop = flown_loop(before, at_height(4.0));
-  EXPECT_TRUE(loop.grows()) << in_words(loop);
-  EXPECT_THAT(in_words(loop), HasSubstr("doubles in"));
+  EXPECT_TRUE(loop.grows()) << describe(loop);
+  EXPECT_THAT(describe(loop), HasSubstr("doubles in"));
   const std::string why = what_helps(before, loop);
   EXPECT_THAT(why, HasSubstr("true states"));
   EXPECT_THAT(why, HasSubstr("sensors without delay"));
@@ -74,8 +75,8 @@ TEST(FlownLoop, TellsDelayedCommandsFromPrompt) {
   EXPECT_TRUE(flown_loop(plan, delayed_by(0.05)).grows());
 }
 
-/// An LQR that does not know of 72 ms of lag hovers well with true states, as nothing disturbs it,
-/// and is unstable.
+/// An LQR without a model of 72 ms of lag hovers well with true states, because nothing disturbs
+/// it, and is unstable.
 TEST(Design, DoesNotPassWithAFlownLoopThatGrows) {
   Vehicle crazyflie = load_vehicle("crazyflie");
   for (Rotor& rotor : crazyflie.rotors) rotor.drag = rotor.inflow = 0;  // they damp it

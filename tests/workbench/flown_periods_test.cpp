@@ -29,7 +29,7 @@ TEST(FlownPeriods, IsTheFlownLoopOfEachPeriod) {
     for (std::size_t i = 0; i < 4; ++i)
       EXPECT_EQ(at.loop->margins.loops[i].Ms, loop.margins.loops[i].Ms);
   }
-  // The hold of a longer period is a longer delay: the loops of the tilt have less phase.
+  // The hold of a longer period is a longer delay: the tilt loops have less phase.
   EXPECT_GT(all[0].loop->margins.loops[1].phase_margin, all[2].loop->margins.loops[1].phase_margin);
 }
 
@@ -38,7 +38,8 @@ TEST(FlownPeriods, SaysWhyAPeriodHasNoPlant) {
   const StateFeedbackController law = feedback_controller(standard_gains(vehicle, "test"), 0.01);
   const std::vector<FlownPeriod> all = flown_at_periods(vehicle, law, {0.0025, 0.01});
   EXPECT_FALSE(all[0].loop);
-  EXPECT_THAT(all[0].why, HasSubstr("the GPS is 0.2 s late, expected at most 40 control periods"));
+  EXPECT_THAT(all[0].why,
+              HasSubstr("the GPS has a delay of 0.2 s, expected at most 40 control periods"));
   EXPECT_TRUE(all[1].loop) << all[1].why;
 }
 
@@ -48,7 +49,7 @@ TEST(FlownPeriodsBadInput, AMemoryBelongsToOnePeriod) {
   options.controller = kStateFeedback;
   const ChosenLaw law = choose_law(options, vehicle, "test");
   EXPECT_THAT([&] { (void)flown_at_periods(vehicle, law.controller, {0.005}); },
-              ::testing::ThrowsMessage<InvalidInput>(HasSubstr("remembers its commands")));
+              ::testing::ThrowsMessage<InvalidInput>(HasSubstr("has a memory of its commands")));
 }
 
 }  // namespace

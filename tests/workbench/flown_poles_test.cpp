@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The poles of the flown loop against the nonlinear simulation: in a hover the set point moves by a
-// millimetre, and the decays are fitted to the difference from the flight in which it does not.
+// The poles of the flown loop compared with the nonlinear simulation: the set point of a hover
+// moves by a millimetre, and decays are fitted to the difference from a flight without this step.
 #include <gmock/gmock.h>
 
 #include <Eigen/QR>
@@ -24,7 +24,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// A sensor without anything random: its clock, delay, response and scale stay.
+/// A sensor without random errors: its clock, delay, response and scale are kept.
 void quiet(SensorFaults& faults) {
   const SensorFaults before = faults;
   faults = SensorFaults();
@@ -52,11 +52,11 @@ Sensors quiet(Sensors sensors) {
   return sensors;
 }
 
-/// When the set point moves: the filter has settled [s].
+/// Time at which the set point moves; the filter has converged [s].
 constexpr double kSettled = 60;
 
-/// A hover in the air whose set point moves once, with quiet sensors, and the filter as it is with
-/// noisy ones.
+/// A hover in the air whose set point moves once, with noise-free sensors, and the filter that
+/// belongs to noisy ones.
 /// @param step  of a reference, e.g. "north_m = 0.001"
 PlannedFlight quiet_hover(const Vehicle& vehicle, const Gains& gains, const std::string& step) {
   PlannedFlight plan = hover_under(vehicle, gains);
@@ -80,7 +80,7 @@ std::vector<double> flown(const PlannedFlight& plan, const char* state) {
   return result.log.find(std::string("x.") + state)->values;
 }
 
-/// How much of a signal is no sum of e^(αst) over the poles s, relative to the signal.
+/// The share of a signal that is not a sum of e^(αst) over the poles s.
 double unexplained(const VectorXd& signal, double step,
                    const std::vector<std::complex<double>>& poles, double alpha) {
   MatrixXd decays(signal.size(), 0);
@@ -99,15 +99,15 @@ double unexplained(const VectorXd& signal, double step,
   return (signal - decays * shares).norm() / signal.norm();
 }
 
-/// The factor on all poles with which they explain a signal best.
+/// The factor on all poles with which they fit a signal best.
 double best_factor(const VectorXd& signal, double step,
                    const std::vector<std::complex<double>>& poles) {
-  double best = 0, least = std::numeric_limits<double>::infinity();
+  double best = 0, min = std::numeric_limits<double>::infinity();
   for (int i = -300; i <= 300; ++i) {
     const double alpha = 1 + 0.0005 * i;
     const double rest = unexplained(signal, step, poles, alpha);
-    if (rest >= least) continue;
-    least = rest;
+    if (rest >= min) continue;
+    min = rest;
     best = alpha;
   }
   return best;
@@ -145,14 +145,14 @@ TEST_P(FlownPoles, AreWhatADisturbedHoverShows) {
     const PlannedFlight plan = quiet_hover(vehicle, gains, "height_m = 1.1");
     const PlannedFlight moved = quiet_hover(vehicle, gains, one.step);
     const std::vector<double> still = flown(plan, one.state), other = flown(moved, one.state);
-    // From half a second on: the quickest modes are gone.
+    // From 0.5 s on: the fastest modes have decayed.
     const auto every = static_cast<std::size_t>(std::lround(0.1 / gains.dt));
     std::vector<double> difference;
     for (std::size_t i = static_cast<std::size_t>(std::lround((kSettled + 0.5) / gains.dt));
          i < std::min(still.size(), other.size()); i += every)
       difference.push_back(other[i] - still[i] - one.size);
     const VectorXd signal = Eigen::Map<const VectorXd>(difference.data(), std::ssize(difference));
-    // Those that are still seen after half a second.
+    // The modes that are still visible after 0.5 s.
     std::vector<std::complex<double>> poles = poles_of(design.family.front().plant, law, one.axis);
     std::sort(poles.begin(), poles.end(),
               [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One call flies what the program flies.
+/// One library call gives the same flight as the program.
 #include "quadtune/workbench/flight/fly.hpp"
 
 #include <gmock/gmock.h>
@@ -102,7 +102,7 @@ TEST(Fly, SaysWhyAFlightFailed) {
   plan.setup.mission.limits = {{Metric::tilt_max, 0}};
   const FlownFlight bad = fly_planned(plan);
   EXPECT_FALSE(bad.passed);
-  EXPECT_THAT(reasons(bad), ElementsAre(HasSubstr("greatest tilt is ")));
+  EXPECT_THAT(reasons(bad), ElementsAre(HasSubstr("maximum tilt is ")));
   EXPECT_THAT(reasons(bad).front(), HasSubstr("expected at most 0 rad"));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains of a given structure for programs that hold matrices alone.
+/// Gains with a given structure for programs that implement only matrices.
 #include "quadtune/workbench/design/matrix_report.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 using testing::MatrixRelativelyNear;
 using ::testing::ThrowsMessage;
 
-/// A law of all 12 states whose entries all differ.
+/// A law of all 12 states with distinct entries.
 Gains any_gains(const Vehicle& vehicle) {
   Gains gains;
   gains.states = ned_convention().states;
@@ -46,8 +46,8 @@ Gains any_gains(const Vehicle& vehicle) {
   return gains;
 }
 
-/// B K is the acceleration that a law answers a deviation with. In other inputs and axes the
-/// vehicle answers alike: with T the map of the states, B_c K_c s T = T B K, s the sign law.
+/// B K is the acceleration with which a law responds to a deviation. In other inputs and axes, the
+/// vehicle responds equally: with T the map of the states, B_c K_c s T = T B K, s the sign law.
 TEST(MatrixInWords, AnswersWithTheSameAccelerations) {
   for (const std::string name : {"uquad", "mambo", "crazyflie", "hexa-550"}) {
     const Vehicle vehicle = load_vehicle(
@@ -59,7 +59,7 @@ TEST(MatrixInWords, AnswersWithTheSameAccelerations) {
     for (const Convention& target : conventions())
       for (const InputKind kind : {InputKind::wrench, InputKind::rotor_speed,
                                    InputKind::rotor_thrust, InputKind::command}) {
-        const Gains other = in_words(gains, vehicle, {target.name, kind});
+        const Gains other = describe(gains, vehicle, {target.name, kind});
         LinearizeOptions words;
         words.convention = target.name;
         words.inputs = kind;
@@ -76,7 +76,7 @@ TEST(MatrixInWords, AnswersWithTheSameAccelerations) {
   }
 }
 
-class MatrixLaw : public ::testing::TestWithParam<std::pair<const char*, MatrixWords>> {};
+class MatrixLaw : public ::testing::TestWithParam<std::pair<const char*, MatrixConvention>> {};
 
 /// Within its bounds at every nominal member, stable at the others, with the estimator of the
 /// flight program; a flight with it passes.
@@ -94,7 +94,7 @@ TEST_P(MatrixLaw, KeepsItsBoundsAndFlies) {
   EXPECT_GE(report.design.disk(), 0.5 / 1.005);
   for (const FlownAxisGains& axis : report.design.axes)
     for (const LoopMargins& margins : axis.margins) EXPECT_TRUE(margins.stable);
-  EXPECT_FALSE(report.flown.grows()) << in_words(report.flown);
+  EXPECT_FALSE(report.flown.grows()) << describe(report.flown);
   EXPECT_FALSE(report.gains.memory);
   FlightOptions options;
   options.estimator = report.flown.estimator;
@@ -106,15 +106,15 @@ TEST_P(MatrixLaw, KeepsItsBoundsAndFlies) {
 
 INSTANTIATE_TEST_SUITE_P(
     Vehicles, MatrixLaw,
-    ::testing::Values(std::pair("uquad", MatrixWords{"uquad", InputKind::rotor_speed}),
-                      std::pair("mambo", MatrixWords{"mambo", InputKind::wrench}),
-                      std::pair("crazyflie", MatrixWords{"ned", InputKind::wrench})),
+    ::testing::Values(std::pair("uquad", MatrixConvention{"uquad", InputKind::rotor_speed}),
+                      std::pair("mambo", MatrixConvention{"mambo", InputKind::wrench}),
+                      std::pair("crazyflie", MatrixConvention{"ned", InputKind::wrench})),
     [](const auto& test) { return std::string(test.param.first); });
 
 TEST(MatrixReport, TakesTheWeightsOfTheDesign) {
   const Vehicle vehicle = load_vehicle("rolling-spider");
   LqiDesign design;
-  design.matrix = MatrixWords{};
+  design.matrix = MatrixConvention{};
   const MatrixReport usual = matrix_report(vehicle, design);
   LqiDesign dearer = design;
   Eigen::VectorXd R(4);
@@ -129,17 +129,17 @@ TEST(MatrixReport, TakesTheWeightsOfTheDesign) {
 TEST(MatrixReportBadInput, RefusesWhatAMatrixCannotHold) {
   const Vehicle vehicle = load_vehicle("rolling-spider");
   LqiDesign design;
-  design.matrix = MatrixWords{};
+  design.matrix = MatrixConvention{};
   const auto refused = [&](const LqiDesign& asked, const char* message) {
     EXPECT_THAT([&] { (void)matrix_report(vehicle, asked); },
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   LqiDesign past = design;
   past.past = 2;
-  refused(past, "came with past commands or weights of changes, expected none");
+  refused(past, "was given past commands or weights of changes, expected none");
   LqiDesign integrals = design;
   integrals.integrals = {"px"};
-  refused(integrals, "the integrals of a law that is a matrix are 'px', expected px py pz yaw");
+  refused(integrals, "the integrals of a matrix law are 'px', expected px py pz yaw");
   LqiDesign weights = design;
   weights.Q_integral = Eigen::Vector4d(1, 1, 0, 1);
   refused(weights, "the weights of pz and of its integral are");
@@ -148,7 +148,7 @@ TEST(MatrixReportBadInput, RefusesWhatAMatrixCannotHold) {
   refused(words, "no convention 'px4'");
   Gains memory = any_gains(vehicle);
   memory.memory = CommandMemory{};
-  EXPECT_THAT([&] { (void)in_words(memory, vehicle, MatrixWords{}); },
+  EXPECT_THAT([&] { (void)describe(memory, vehicle, MatrixConvention{}); },
               ThrowsMessage<InvalidInput>(HasSubstr("feeds back its past commands")));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Words that no option knows: the option by its key, the message without who asked.
+/// Unknown words of options: the error has the key of the option, and its message no caller.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::StartsWith;
 
-/// What a call refuses; nothing where it throws anything else, or nothing.
+/// The message with which a call fails; empty if it throws another exception or none.
 std::optional<OptionError> refused(const std::function<void()>& call) {
   try {
     call();
@@ -89,7 +89,7 @@ TEST(OptionError, ComesFromAMissionOfADesignWithoutAFile) {
                "that is designed");
 }
 
-// As a design file is refused that asks for both.
+// As for a design file with both.
 TEST(DesignRequirements, HaveOneStateFeedbackOfHover) {
   const auto refusal = [](const DesignRequirements& requirements) -> std::string {
     try {
@@ -102,7 +102,8 @@ TEST(DesignRequirements, HaveOneStateFeedbackOfHover) {
   DesignRequirements both;
   both.lqr = usual_lqr(load_vehicle("mambo"), 0.005);
   both.lqi = LqiDesign{};
-  EXPECT_THAT(refusal(both), ::testing::HasSubstr("weights of the ideal and of the flown plant"));
+  EXPECT_THAT(refusal(both),
+              ::testing::HasSubstr("weights for both the ideal and the flown plant"));
   DesignRequirements moving;
   moving.lqi = LqiDesign{};
   moving.condition.kind = FlightKind::line;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The covariance of the flown loop, against flights and against what is known of it.
+/// The covariance of the flown loop, compared with flights and known properties.
 #include "quadtune/workbench/flight/predicted_rms.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// What the model leaves out: biases from the start on, vibration, lost samples.
+/// Disables what the model omits: biases from the start on, vibration, lost samples.
 Vehicle without_omitted_errors(const std::string& name) {
   Vehicle vehicle = load_vehicle(name);
   const auto clean = [](auto& faults) {
@@ -55,7 +55,7 @@ PlannedFlight hover_under(const Vehicle& vehicle) {
   return quadtune::hover_under(vehicle, flown_lqi(vehicle).lqi.gains);
 }
 
-/// The final states, true and estimated minus true, of flights of so long.
+/// The final states, true and estimated minus true, of flights with this duration.
 struct Seen {
   Eigen::MatrixXd state, error;  ///< (12 × flights)
 };
@@ -77,14 +77,14 @@ Seen seen_after(PlannedFlight plan, int first, int flights, double duration) {
   return seen;
 }
 
-/// Mean squares of the rows about their means.
+/// Variances of the rows.
 VectorXd variances(Eigen::MatrixXd values) {
   const VectorXd mean = values.rowwise().mean();
   values.colwise() -= mean;
   return values.cwiseAbs2().rowwise().sum() / (static_cast<double>(values.cols()) - 1);
 }
 
-/// The sensors' errors times a factor. The filter is to keep its own numbers.
+/// Scales the sensors' errors. The filter keeps its own numbers.
 void scale_noise(Sensors& sensors, double factor) {
   const auto scale = [&](SensorFaults& faults) {
     faults.noise *= factor;
@@ -106,11 +106,11 @@ void scale_noise(Sensors& sensors, double factor) {
   }
 }
 
-/// Standard deviations by the prediction and of flights: of what is observed as it is, of what
-/// drifts as it gains in 40 s.
+/// Standard deviations from the prediction and from flights: of observed states directly, of
+/// drifting ones as their growth in 40 s.
 struct Compared {
   VectorXd state, error;            ///< predicted
-  VectorXd seen_state, seen_error;  ///< of 800 flights, which know them to 2.5 %
+  VectorXd seen_state, seen_error;  ///< of 800 flights, with an accuracy of 2.5 %
 };
 
 Compared compared(PlannedFlight plan) {
@@ -121,7 +121,7 @@ Compared compared(PlannedFlight plan) {
   constexpr int kFlights = 40, kInstants = 20;
   VectorXd state = VectorXd::Zero(12), gained = state, error = state, error_gained = state;
   for (int j = 0; j < kInstants; ++j) {
-    // Instants in and between the periods of all sensors, over the second of the slowest.
+    // Instants in and between the periods of all sensors, over the period of the slowest.
     const double instant = 0.05 * j + 0.005 * (j % 2);
     const Seen first = seen_after(plan, j * kFlights, kFlights, kSettled + instant);
     const Seen later = seen_after(plan, j * kFlights, kFlights, kSettled + kTime + instant);
@@ -132,7 +132,7 @@ Compared compared(PlannedFlight plan) {
   }
   const PredictedRms once = predicted_rms(plan, kTime), twice = predicted_rms(plan, 2 * kTime);
   Compared result = {once.state, once.error, state.cwiseSqrt(), error.cwiseSqrt()};
-  // A drift D t about which the state sways with a variance s is D t + s from rest, and gains
+  // A drift D t about which the state fluctuates with a variance s is D t + s from rest, and gains
   // D t + 2 s between two instants.
   const auto gain = [](double t, double twice_t) {
     return std::sqrt(3 * t * t - twice_t * twice_t);
@@ -183,8 +183,8 @@ TEST(PredictedRms, IsThatOfSmallNoise) {
   }
 }
 
-/// GPS sways the uquad by 0.03 rad: the product of pitch rate and roll turns it as much as all that
-/// a linear model knows of.
+/// GPS noise makes the uquad sway by 0.03 rad: the product of pitch rate and roll turns it as much
+/// as all effects of a linear model.
 TEST(PredictedRms, HasTheTurnsOfASway) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   const PredictedRms rms = predicted_rms(hover_under(without_omitted_errors("uquad")), 40);
@@ -196,8 +196,8 @@ TEST(PredictedRms, HasTheTurnsOfASway) {
     EXPECT_LT(rms.turned(other), 1e-3 * rms.state(other)) << other;
 }
 
-/// Linear: noise of twice the deviation, for the same filter, gives deviations of twice the size,
-/// but four times the turns by the product of two states.
+/// Linear: twice the noise with the same filter gives twice the deviations, but four times the
+/// rotation from the product of two states.
 TEST(PredictedRms, IsProportionalToTheNoise) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   Vehicle vehicle = without_omitted_errors("crazyflie");
@@ -216,7 +216,7 @@ TEST(PredictedRms, IsProportionalToTheNoise) {
   EXPECT_THAT(twice.command.head(3), testing::MatrixRelativelyNear(2 * once.command.head(3), 1e-6));
 }
 
-/// True states without noise stay where they are.
+/// True states without noise do not deviate.
 TEST(PredictedRms, IsZeroWithIdealSensors) {
   FlightOptions ideal;
   ideal.sensors = "ideal";
@@ -227,7 +227,7 @@ TEST(PredictedRms, IsZeroWithIdealSensors) {
   EXPECT_EQ(rms.error.maxCoeff(), 0);
 }
 
-/// No deviation is predicted of a loop that grows.
+/// For an unstable loop, no finite deviation is predicted.
 TEST(PredictedRms, IsInfiniteOfAnUnstableLoop) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   Gains gains = flown_lqi(vehicle).lqi.gains;

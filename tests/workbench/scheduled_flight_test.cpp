@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gain schedules as they fly: which gains hold, the loop that they close, whole flights.
+/// Flying gain schedules: which gains apply, the loop that they close, complete flights.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ std::vector<ScheduleAxis> speeds_and_turns() {
   return {{ScheduleQuantity::speed, {0, 1, 2, 3}}, {ScheduleQuantity::yaw_rate, {-1, 0, 1}}};
 }
 
-/// The state and the reference of a vehicle that flies as the trim does, at some heading.
+/// The state and the reference of a vehicle that flies at the trim, at some heading.
 struct Flying {
   Estimate<double> estimate;
   Reference<double> reference;
@@ -60,7 +60,7 @@ Flying along(const VectorXd& x0, double heading) {
   return flying;
 }
 
-/// What the law answers, with the part of the velocity that the trim has taken out.
+/// The response of the law, including the part of the velocity that the trim has removed.
 VectorXd answer(ScheduledFeedback& schedule, StateFeedbackSettings<double> law,
                 const Estimate<double>& estimate, Reference<double> reference) {
   schedule.set(estimate, reference, law);
@@ -81,9 +81,9 @@ class ScheduledFeedbackOfCrazyflie : public ::testing::Test {
   StateFeedbackSettings<double> law_;
 };
 
-// At a trim the law answers u0, and its derivative is -K of that very point: by central differences
-// of the whole law, interpolation and change of axes included. A law whose trim followed the
-// estimate, or whose set point turned with it, would have another derivative.
+// At a trim the law gives u0, and its derivative is -K of this point: by central differences of the
+// complete law, interpolation and change of axes included. A law whose trim followed the estimate,
+// or whose set point turned with it, would have another derivative.
 TEST_F(ScheduledFeedbackOfCrazyflie, HasTheDesignedGainAsItsDerivativeAtEveryTrim) {
   constexpr double kHeading = 0.8, kStep = 1e-6;
   int turning = 0;
@@ -94,7 +94,7 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HasTheDesignedGainAsItsDerivativeAtEveryTri
     const auto law_at = [&](const Estimate<double>& estimate) {
       ScheduledFeedback schedule(vehicle_, schedule_, kDt);
       Flying flying = along(x0, kHeading);
-      // The period before tells how fast the reference turns.
+      // The previous period determines how fast the reference turns.
       flying.reference.yaw = kHeading - kDt * at(1);
       StateFeedbackSettings<double> before = law_;
       schedule.set(flying.estimate, flying.reference, before);
@@ -110,14 +110,14 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HasTheDesignedGainAsItsDerivativeAtEveryTri
       less.x(j) -= kStep;
       derivative.col(j) = (law_at(more) - law_at(less)) / (2 * kStep);
     }
-    // North and east of the world are not those of the heading.
+    // North and east of the world differ from the axes of the heading.
     MatrixXd K = schedule_->gains(p).K;
     const MatrixXd position = K.leftCols(2);
     Eigen::Matrix2d turn;
     turn << std::cos(kHeading), std::sin(kHeading), -std::sin(kHeading), std::cos(kHeading);
     K.leftCols(2) = position * turn;
-    const double greatest = K.cwiseAbs().maxCoeff();
-    EXPECT_THAT(derivative, MatrixNear(-K, 1e-4 * greatest)) << at.transpose();
+    const double max = K.cwiseAbs().maxCoeff();
+    EXPECT_THAT(derivative, MatrixNear(-K, 1e-4 * max)) << at.transpose();
     turning += at(0) > 0 && at(1) != 0 ? 1 : 0;
   }
   EXPECT_EQ(turning, 6);
@@ -146,7 +146,7 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HoldsTheEdgeBeyondTheGrid) {
   Estimate<double> estimate;
   estimate.x(kVelocity) = 30;
   Reference<double> reference;
-  reference.velocity.x() = -30;  // backward: the grid begins at 0
+  reference.velocity.x() = -30;  // backward: the grid starts at 0
   schedule.set(estimate, reference, law);
   EXPECT_EQ(law.K.topRows(4), schedule_->at(Eigen::Vector2d(3, 0)).K);
   EXPECT_EQ(law.u0.head(4), schedule_->at(Eigen::Vector2d(0, 0)).u0);
@@ -196,7 +196,7 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HoldsTheLastGainWhereThereIsNone) {
                   HasSubstr("has no gain at speed 0, yaw_rate 0, where a flight begins: no gain")));
 }
 
-// The thrust at hover would be a tenth too high.
+// The thrust at hover would be too high by a tenth.
 TEST_F(ScheduledFeedbackOfCrazyflie, IsRefusedForAnotherMass) {
   const GainSchedule heavy = schedule_of(vehicle_, {{ScheduleQuantity::mass, {1.1, 1.2}}});
   EXPECT_THAT([&] { (void)hover_gains(heavy); },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Commands on their way to a vehicle: a stub on the loopback checks every byte, acknowledges,
-/// drops and delays. Which addresses are refused.
+/// Sends commands to a stub of a vehicle on the loopback interface, which checks every byte,
+/// acknowledges, drops and delays. Also which addresses are rejected.
 #include "quadtune/workbench/link/send_link.hpp"
 
 #include <gmock/gmock.h>
@@ -40,17 +40,17 @@ const Bytes kNativeTakeoff = {4, 0x0b, 9, 0x0b, 0, 0, 0, 2, 0, 1, 0};
 
 Bytes acknowledgement(std::uint8_t number) { return {1, 0x8b, 0, 8, 0, 0, 0, number}; }
 using Frames = std::vector<Bytes>;
-/// As a vehicle that misses nothing.
+/// A vehicle that receives everything.
 Pieces acknowledged(const Frames& frames) { return {acknowledgement(frames.back()[2])}; }
 
-/// Long enough for any machine: what is waited for comes, or the test does not end.
+/// Long enough for any machine: the reply arrives, or the test does not end.
 LinkOptions patient() {
   LinkOptions options;
   options.timeout_s = 60;
   return options;
 }
 
-/// Many short tries: whatever the stub drops is sent again.
+/// Many short tries: dropped frames are sent again.
 LinkOptions persistent() {
   LinkOptions options;
   options.timeout_s = 0.1;
@@ -91,7 +91,7 @@ TEST(SendSimulink, SendsEveryByteAndTakesTheAnswer) {
   EXPECT_THAT(stub.frames(), ElementsAre(Bytes{1, 0, 0, 0, 20, 0, 0, 0}));
 }
 
-// The answer comes when the sender has already asked several times whether to stop.
+// The reply arrives after the sender has checked several times whether to stop.
 TEST(SendSimulink, WaitsForALateAnswer) {
   std::atomic<bool> late{false};
   const StubVehicle stub({.length = 4, .answer = [&](const Frames&) {
@@ -118,14 +118,14 @@ TEST(SendSimulink, TellsWhatIsNotAnswered) {
   EXPECT_EQ(delivery.status, LinkStatus::unanswered);
   EXPECT_EQ(delivery.sent, 1U);
   EXPECT_THAT(silent.frames(1), ElementsAre(Bytes{2, 0, 0, 0}));
-  // A connection that is closed is no answer.
+  // A closed connection is not a reply.
   const StubVehicle closing({.length = 4, .answer = [](const Frames&) { return std::nullopt; }});
   EXPECT_EQ(send_link(message(kSimulink, "abort", {}), to(closing, kSimulink), patient()).status,
             LinkStatus::unanswered);
   EXPECT_THAT(closing.frames(1), ElementsAre(Bytes{3, 0, 0, 0}));
 }
 
-// A snapshot is not answered, and neither is who does not want to be.
+// A snapshot has no reply, and a frame without a requested acknowledgement has none either.
 TEST(SendSimulink, WaitsForNoAnswerWhereNoneIsExpected) {
   const StubVehicle stub({.length = 4});
   EXPECT_EQ(send_link(message(kSimulink, "snapshot", {}), to(stub, kSimulink), patient()).status,
@@ -167,7 +167,7 @@ TEST(SendNative, SendsTheSameBytesAgainUntilAcknowledged) {
   EXPECT_THAT(stub.frames(), Each(kNativeTakeoff));
 }
 
-// An acknowledgement of the first frame that comes when the second is there already.
+// An acknowledgement of the first frame that arrives after the second was sent.
 TEST(SendNative, TakesALateAcknowledgementOnce) {
   const StubVehicle stub(
       {.type = SOCK_DGRAM, .answer = [](const Frames& frames) {
@@ -178,7 +178,7 @@ TEST(SendNative, TakesALateAcknowledgementOnce) {
   EXPECT_EQ(delivery.acknowledged, 1U);
 }
 
-// Other frames of the vehicle, as it sends many a second, and acknowledgements of others.
+// Other frames of the vehicle, which sends many per second, and acknowledgements of other frames.
 TEST(SendNative, TakesNothingElseForAnAcknowledgement) {
   const Bytes state = {2, 0x7f, 5, 0x0b, 0, 0, 0, 2, 3, 1, 0};
   Bytes cut = acknowledgement(9);
@@ -219,8 +219,8 @@ TEST(SendNative, SendsOnceWhatAsksForNoAcknowledgement) {
   EXPECT_THAT(stub.frames(1), ElementsAre(Bytes{2, 0x0a, 11, 0x0d, 0, 0, 0, 2, 4, 1, 0, 45, 0}));
 }
 
-// Which number the vehicle saw last is not known: of 256 numbers, one of four that are 64 apart is
-// 1 to 64 ahead of it.
+// The last number that the vehicle received is unknown: of 256 numbers, one of four that are 64
+// apart is 1 to 64 ahead of it.
 TEST(SendNative, StopsWithoutANumber) {
   const StubVehicle stub({.type = SOCK_DGRAM, .answer = acknowledged});
   const LinkDelivery delivery =
@@ -275,7 +275,7 @@ TEST(SendLink, SendsNothingOnceInterrupted) {
   EXPECT_THAT(datagrams.frames(), SizeIs(0));
 }
 
-// Whoever interrupts the wait is told that the frame is out.
+// An interruption of the wait reports that the frame was sent.
 TEST(SendLink, TellsWhatWasSentBeforeAnInterruption) {
   const StubVehicle stream({.length = 4}), datagrams({.type = SOCK_DGRAM});
   LinkOptions options = patient();
@@ -289,7 +289,7 @@ TEST(SendLink, TellsWhatWasSentBeforeAnInterruption) {
   EXPECT_EQ(delivery.sent, 1U);
 }
 
-// --- refusals ---
+// --- rejections ---
 
 TEST(LinkTarget, IsOneVehicle) {
   const LinkTarget target = link_target("192.168.3.1:12391", kSimulink);
@@ -305,32 +305,33 @@ TEST(LinkTarget, RefusesEverythingElse) {
   };
   EXPECT_EQ(refused(""),
             "to is missing, expected address and port of one vehicle, such as 192.168.99.3:6000, "
-            "because a command goes to the vehicle that you name");
-  EXPECT_EQ(refused("0.0.0.0:6000"),
-            "to is '0.0.0.0:6000', which means any address, expected address and port of one "
-            "vehicle, such as 192.168.99.3:6000, because a command is for one vehicle");
+            "because the vehicle must be named");
+  EXPECT_EQ(
+      refused("0.0.0.0:6000"),
+      "to is '0.0.0.0:6000', which is the unspecified address, expected address and port of one "
+      "vehicle, such as 192.168.99.3:6000, because a command is for one vehicle");
   for (const auto& [word, why] : std::vector<std::pair<std::string, std::string>>{
-           {"0.1.2.3:6000", "any address"},
-           {"255.255.255.255:6000", "heard by the whole network"},
-           {"192.168.99.255:6000", "heard by the whole network"},
-           {"192.168.99.0:6000", "means a network"},
-           {"224.0.0.1:6000", "heard by a group"},
-           {"239.255.0.1:6000", "heard by a group"},
+           {"0.1.2.3:6000", "unspecified address"},
+           {"255.255.255.255:6000", "received by the whole network"},
+           {"192.168.99.255:6000", "received by the whole network"},
+           {"192.168.99.0:6000", "denotes a network"},
+           {"224.0.0.1:6000", "a multicast address"},
+           {"239.255.0.1:6000", "a multicast address"},
            {"240.0.0.1:6000", "reserved"},
-           {"192.168.99.3", "nothing is sent to a port by default"},
-           {"6000", "nothing is sent to a port by default"},
-           {"mambo:6000", "no name is looked up"},
-           {"localhost:6000", "no name is looked up"},
-           {":6000", "no name is looked up"},
-           {"*:6000", "no name is looked up"},
-           {"192.168.99:6000", "no name is looked up"},
-           {"192.168.099.3:6000", "no name is looked up"},
-           {"3232235521:6000", "no name is looked up"},
-           {"0x7f000001:6000", "no name is looked up"},
-           {" 192.168.99.3:6000", "no name is looked up"},
-           {"192.168.99.3 :6000", "no name is looked up"},
-           {"192.168.99.3:80:6000", "no name is looked up"},
-           {"[::1]:6000", "no name is looked up"},
+           {"192.168.99.3", "there is no default port"},
+           {"6000", "there is no default port"},
+           {"mambo:6000", "names are not resolved"},
+           {"localhost:6000", "names are not resolved"},
+           {":6000", "names are not resolved"},
+           {"*:6000", "names are not resolved"},
+           {"192.168.99:6000", "names are not resolved"},
+           {"192.168.099.3:6000", "names are not resolved"},
+           {"3232235521:6000", "names are not resolved"},
+           {"0x7f000001:6000", "names are not resolved"},
+           {" 192.168.99.3:6000", "names are not resolved"},
+           {"192.168.99.3 :6000", "names are not resolved"},
+           {"192.168.99.3:80:6000", "names are not resolved"},
+           {"[::1]:6000", "names are not resolved"},
            {"192.168.99.3:", "from 1 to 65535"},
            {"192.168.99.3:0", "from 1 to 65535"},
            {"192.168.99.3:65536", "from 1 to 65535"},
@@ -340,7 +341,7 @@ TEST(LinkTarget, RefusesEverythingElse) {
            {"192.168.99.3:0x10", "from 1 to 65535"},
            {"192.168.99.3:12391", "that of the firmware simulink"}})
     EXPECT_THAT(refused(word), HasSubstr(why)) << word;
-  EXPECT_THAT(refused(std::string("127.0.0.1\0:6000", 15)), HasSubstr("no name is looked up"));
+  EXPECT_THAT(refused(std::string("127.0.0.1\0:6000", 15)), HasSubstr("names are not resolved"));
   EXPECT_THAT(refused("192.168.3.1:6000", kSimulink), HasSubstr("that of the firmware native"));
 }
 
@@ -352,10 +353,10 @@ TEST(LinkMessage, NeedsANumberUnlessItStops) {
   };
   EXPECT_EQ(
       refused(kNative, "takeoff", std::nullopt),
-      "sequence is missing, expected 0 to 255, one more than in the frame before, because the "
+      "sequence is missing, expected 0 to 255, one more than in the previous frame, because the "
       "vehicle orders frames by it");
   EXPECT_THAT(refused(kNative, "takeoff", 256), HasSubstr("sequence is 256, expected 0 to 255"));
-  EXPECT_THAT(refused(kSimulink, "land", 1), HasSubstr("sequence is 1, expected none"));
+  EXPECT_THAT(refused(kSimulink, "land", 1), HasSubstr("sequence is 1, but frames"));
   const LinkMessage numbered = message(kNative, "land", {}, 200);
   ASSERT_THAT(numbered.parts, SizeIs(1));
   EXPECT_EQ(numbered.parts[0].sequence, 200);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What sensors can know, against closed forms, the Riccati solver, and published numbers.
+/// Accuracy bounds of sensors, compared with closed forms, the Riccati solver and published
+/// numbers.
 #include "quadtune/workbench/flight/sensor_bound.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +25,7 @@ std::vector<double> middles(double rate, int count) {
   return times;
 }
 
-/// p' = v, v' = w with the density q.
+/// p' = v, v' = w with the spectral density q.
 ErrorModel double_integrator(double q) {
   ErrorModel model;
   model.A = Eigen::Matrix2d{{0, 1}, {0, 0}};
@@ -35,11 +36,12 @@ ErrorModel double_integrator(double q) {
 
 double last(const ErrorCovariance& error) { return error.variance(error.variance.size() - 1); }
 
-// Without a sensor the variances are the integrals: q t, and q t³/3 one integrator on.
+// Without a sensor the variances are the integrals: q t, and q t³/3 after one more integrator.
 TEST(BestFilter, IntegratesWhatNoSensorSees) {
   const double q = 0.3, t = 7;
   EXPECT_NEAR(last(best_filter_error(double_integrator(q), 0, {t}, {})), q * t * t * t / 3, 1e-9);
-  // A bias known to b, four integrators: b t²/2 of position through tilt, times g.
+  // A bias with standard deviation b, through four integrators: b t²/2 of position through tilt,
+  // times g.
   ErrorModel tilt;
   tilt.A.setZero(4, 4);
   tilt.A(0, 1) = 1;
@@ -54,7 +56,7 @@ TEST(BestFilter, IntegratesWhatNoSensorSees) {
   EXPECT_NEAR(last(best_filter_error(tilt, 0, {t}, {})), of_noise + of_bias, 1e-9);
 }
 
-// Dead reckoning: a velocity measured with the density r lets the position walk by r t.
+// Dead reckoning: with a velocity measured with the density r, the position drifts by r t.
 TEST(BestFilter, DeadReckoningWalksByTheSensorsNoise) {
   const double rate = 200, R = 0.04;
   ErrorModel model = double_integrator(0.01);
@@ -63,7 +65,8 @@ TEST(BestFilter, DeadReckoningWalksByTheSensorsNoise) {
   EXPECT_NEAR((error.variance(1) - error.variance(0)) / 100, R / rate, 0.01 * R / rate);
 }
 
-// A walk of q a sample, seen with R: M = (q + √(q² + 4 q R))/2 before a sample, M - q after it.
+// A random walk of q per sample, measured with R: M = (q + √(q² + 4 q R))/2 before a sample, M - q
+// after it.
 TEST(BestFilter, ReachesTheScalarRiccatiSolution) {
   const double rate = 50, R = 0.2, q = 0.01;
   ErrorModel model;
@@ -74,7 +77,7 @@ TEST(BestFilter, ReachesTheScalarRiccatiSolution) {
   const double M = (q + std::sqrt(q * q + 4 * q * R)) / 2;
   const std::vector<double> times = middles(rate, 2000);
   EXPECT_NEAR(last(best_filter_error(model, 0, times, {})), M - q + q / 2, 1e-12);
-  // A delay adds what walks away in the meantime.
+  // A delay adds the random walk during this time.
   model.sensors[0].delay = 0.3;
   EXPECT_NEAR(last(best_filter_error(model, 0, times, {})), M - q + q / 2 + q * rate * 0.3, 1e-12);
 }
@@ -98,7 +101,7 @@ TEST(BestFilter, AgreesWithTheRiccatiSolver) {
   }
 }
 
-/// An error that forgets with the time 1/decay, stationary with the variance s.
+/// An error with the time constant 1/decay, stationary with the variance s.
 ErrorModel forgetting(double s, double decay) {
   ErrorModel model;
   model.A.setZero(1, 1);
@@ -117,7 +120,8 @@ TEST(BestFilter, ErrorsThatDecayBecomeStationary) {
   }
 }
 
-// A position that nothing else tells is known as well as the error of the sensor that stays alike.
+// A position that only one sensor measures is known as accurately as the persistent error of this
+// sensor.
 TEST(BestFilter, CannotTellAPositionFromAnErrorThatStaysAlike) {
   const double s = 0.4, R = 1e-6;
   ErrorModel model;
@@ -129,7 +133,7 @@ TEST(BestFilter, CannotTellAPositionFromAnErrorThatStaysAlike) {
   EXPECT_NEAR(best_filter_covariance(model, 20)(0, 0), s + R, 1e-3 * s);
 }
 
-// N samples of a constant that was known to P: 1/(1/P + N/R).
+// N samples of a constant with prior variance P: 1/(1/P + N/R).
 TEST(BestFilter, AveragesAConstant) {
   ErrorModel model;
   model.A = model.Q = Eigen::MatrixXd::Zero(1, 1);
@@ -164,7 +168,7 @@ TEST(BestFilter, RefusesWhatIsNoModel) {
   EXPECT_THAT(message(), HasSubstr("it has 0 states, expected 1 to 12"));
 }
 
-/// The uquad's suite as an independent computation had it: without noise of the accelerometer.
+/// The uquad's sensors as in an independent computation: without noise of the accelerometer.
 Sensors satellite(double rate, double noise, double velocity_noise, double delay) {
   Sensors sensors = load_vehicle("uquad").sensors;
   sensors.accelerometer->noise.setZero();
@@ -175,7 +179,7 @@ Sensors satellite(double rate, double noise, double velocity_noise, double delay
   return sensors;
 }
 
-/// What a filter allows for beyond the file left out.
+/// Without the allowances of the filter beyond the file.
 SensorBoundOptions of_the_file_alone() {
   SensorBoundOptions options;
   options.allowed = {0, 0, 0, {0, 0, 0, 0, 0, 0, 0}};
@@ -197,7 +201,8 @@ double horizontal_rms(const Sensors& sensors) {
   return std::sqrt(squares / count);
 }
 
-// An independent computation of the same covariance, with a clone state for the delay, gave these.
+// The numbers come from an independent computation of the same covariance, with a clone state for
+// the delay.
 TEST(SensorBound, IsThatOfAnIndependentFilter) {
   EXPECT_NEAR(horizontal_rms(satellite(1, 0.5, 0.1, 0.2)), 0.321, 0.001);
   EXPECT_NEAR(horizontal_rms(satellite(1, 0.05, 0.1, 0.2)), 0.074, 0.001);
@@ -205,7 +210,7 @@ TEST(SensorBound, IsThatOfAnIndependentFilter) {
   EXPECT_NEAR(horizontal_rms(satellite(10, 0.02, 0.03, 0)), 0.010, 0.0005);
 }
 
-// The noise h √(σ² + (c σ_g)²) of a sample of the velocity, σ_g of the gyroscope.
+// The noise h √(σ² + (c σ_g)²) of a velocity sample, with σ_g of the gyroscope.
 TEST(SensorBound, FlowIsDeadReckoning) {
   Sensors sensors = load_vehicle("crazyflie").sensors;
   sensors.gps.reset();
@@ -221,7 +226,7 @@ TEST(SensorBound, FlowIsDeadReckoning) {
     EXPECT_GT(std::sqrt(last(bound->height)), 0.001);
     EXPECT_LT(std::sqrt(last(bound->height)), 0.01);  // sonar
   }
-  // Too low for the flow, and nothing else sees the position: g, the tilt, and time.
+  // Too low for the flow, and nothing else measures the position: g, the tilt, and time.
   options.height = 0.2;
   options.duration = 20;
   const std::optional<SensorBound> blind = sensor_bound(sensors, options);
@@ -231,7 +236,7 @@ TEST(SensorBound, FlowIsDeadReckoning) {
   EXPECT_THAT(blind->used, ::testing::Not(::testing::Contains("optical flow")));
 }
 
-// Without a magnetometer the heading walks by the gyroscope's noise, and off by its bias.
+// Without a magnetometer the heading drifts by the gyroscope's noise and bias.
 TEST(SensorBound, HeadingWithoutMagnetometerDrifts) {
   Sensors sensors = load_vehicle("mambo").sensors;
   SensorBoundOptions options = of_the_file_alone();
@@ -242,7 +247,7 @@ TEST(SensorBound, HeadingWithoutMagnetometerDrifts) {
   const double of_noise = noise * noise / 200 * flown;
   const double of_bias = noise * noise / (200 * 0.5) * flown * flown;
   EXPECT_NEAR(last(bound->heading), of_noise + of_bias, 1e-12);
-  // A bias that walks by w adds w² t³/3, whether the file says so or the filter allows for it.
+  // A bias with the random walk w adds w² t³/3, from the file or as an allowance of the filter.
   const double walk = 1e-4, of_walk = walk * walk * std::pow(flown, 3) / 3;
   options.allowed.gyro_walk = walk;
   EXPECT_NEAR(last(sensor_bound(sensors, options)->heading), of_noise + of_bias + of_walk, 1e-9);
@@ -253,8 +258,8 @@ TEST(SensorBound, HeadingWithoutMagnetometerDrifts) {
               of_noise + of_bias + of_walk + while_standing, 1e-9);
 }
 
-// A satellite position that is wrong by 1 m over minutes says where the vehicle went, not where it
-// is: on the ground the error is seen, and from there on it changes.
+// A satellite position with an error of 1 m over minutes shows the motion, not the position: on the
+// ground the error is observed, and it changes from there on.
 TEST(SensorBound, ErrorsThatStayAlikeAreSeenOnTheGroundOnly) {
   Sensors sensors = load_vehicle("uquad").sensors;
   SensorBoundOptions options;
@@ -265,20 +270,20 @@ TEST(SensorBound, ErrorsThatStayAlikeAreSeenOnTheGroundOnly) {
   gps.correlated_noise.setConstant(1);
   gps.correlation = 60;
   const SensorBound bound = *sensor_bound(sensors, options);
-  // The velocity by satellite, which walks off by 0.01 m²/s, averages it over a few minutes.
+  // The satellite velocity, which drifts by 0.01 m²/s, averages it over a few minutes.
   EXPECT_GT(last(bound.north), 0.4);
   EXPECT_LT(last(bound.north), 1);
   EXPECT_GT(last(bound.north), 5 * alone);
-  // Soon after the take-off it is still the error of the ground: s (1 - e^(-2 t/τ)) at most.
+  // Soon after the take-off it is still the error on the ground: s (1 - e^(-2 t/τ)) at most.
   const auto k = static_cast<Eigen::Index>(std::lround(70 / 600.0 * 400));
   EXPECT_LT(bound.north.variance(k), 1 - std::exp(-2 * 10.0 / 60) + 0.1);
-  // A satellite that is off by as much in every flight is corrected on the ground for good.
+  // A constant error of the satellite position is corrected on the ground for good.
   gps.correlated_noise.setZero();
   gps.turn_on_bias.setConstant(1);
   EXPECT_LT(last(sensor_bound(sensors, options)->north), alone + 0.05);
 }
 
-// The pressure at the ground is not known beforehand: it is averaged while the vehicle stands.
+// The pressure at the ground is unknown beforehand: it is averaged while the vehicle is stationary.
 TEST(SensorBound, TheBarometersZeroIsFoundOnTheGround) {
   Sensors sensors = load_vehicle("mambo").sensors;
   sensors.sonar.reset();
@@ -323,8 +328,8 @@ TEST(MissionBound, IsOfWhatTheMissionJudges) {
   ASSERT_TRUE(uquad.bound);
   EXPECT_NEAR(uquad.bound->horizontal_rms, 0.321, 0.005);
   EXPECT_NEAR(uquad.bound->options.height, 1.1, 0.01);  // the climb is a little lower
-  EXPECT_EQ(uquad.bound->options.begin, 0.5);           // it stands for the start-up
-  // Steps of the reference leave their window out; the height of a path is its own.
+  EXPECT_EQ(uquad.bound->options.begin, 0.5);           // it is stationary at the start
+  // Steps of the reference exclude their window; the mean height of a path is that of the path.
   const PlannedFlight step = planned_flight("crazyflie", "step-height");
   ASSERT_TRUE(step.bound);
   EXPECT_GT(step.bound->tracking.rms, 0);
@@ -334,7 +339,7 @@ TEST(MissionBound, IsOfWhatTheMissionJudges) {
   EXPECT_GT(planned_flight("crazyflie", "waypoints").bound->tracking.rms, 0);
 }
 
-// An error of 0.22 m along a step of a metre looks like an overshoot of as much.
+// An error of 0.22 m along a step of one metre appears as an overshoot of this size.
 TEST(MissionBound, HasTheStepsOfTheMission) {
   const MissionBound north = *planned_flight("uquad", "step-north").bound;
   EXPECT_GT(north.overshoot.rms, 0.1);

@@ -19,7 +19,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Changes every field of settings that have a visitor, each by another number.
+/// Changes every field of settings with a visitor to a distinct number.
 template <class Settings>
 void change_all(Settings& settings) {
   double next = 0.1;
@@ -41,7 +41,7 @@ void change_all(Settings& settings) {
       settings);
 }
 
-/// No field that setup_to_json() writes has its default.
+/// Sets every field that setup_to_json() writes to another value than its default.
 FlightSetup changed_setup() {
   FlightSetup setup;
   setup.estimator = EstimatorKind::general;
@@ -72,7 +72,7 @@ FlightSetup changed_setup() {
 
 TEST(SetupJson, EveryFieldReadsBackToTheSameBits) {
   const FlightSetup written = changed_setup();
-  // Through text, as a plan holds it.
+  // Through text, as in a plan.
   const auto json = internal::Json::parse(internal::readable(internal::setup_to_json(written)));
   FlightSetup read;
   internal::setup_from_json(json, "plan.json", read);
@@ -100,7 +100,7 @@ TEST(SetupJson, EveryFieldReadsBackToTheSameBits) {
   EXPECT_EQ(read.general_noise, written.general_noise);
 }
 
-/// Between the fields that a visitor shows there is room for padding alone, not for a number.
+/// Between the fields that a visitor visits there is room only for padding, not for a number.
 template <class Settings>
 void expect_visits_all() {
   const Settings settings;
@@ -126,7 +126,7 @@ TEST(SetupJson, VisitorsShowEveryField) {
   expect_visits_all<GeneralFilterNoise>();
 }
 
-// A field that a plan lacks would keep its default and fly differently without a word.
+// A missing field would silently keep its default, and the flight would differ.
 TEST(SetupJson, AMissingFieldIsRefused) {
   const internal::Json whole = internal::setup_to_json(changed_setup());
   for (const std::string& key : whole.keys()) {

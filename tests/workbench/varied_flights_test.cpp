@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Default designs of the built-in vehicles at other heights, and flown with a vehicle that is not
-// the one they were made for: one thing at a time.
+// Default designs of the built-in vehicles at other heights, and on vehicles that differ from the
+// design in one property each.
 #include <gmock/gmock.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Limits that the sensors cannot keep are widened, and nothing else.
+/// Only limits that the sensors do not allow are widened.
 #include "quadtune/workbench/flight/widened_limits.hpp"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ MissionBound bound_of(double rms) {
 
 double limit_of(const Mission& mission, Metric metric) {
   for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return limit.most;
+    if (limit.metric == metric) return limit.max;
   return -1;
 }
 
@@ -46,28 +46,28 @@ TEST(WidenedLimits, FollowTheBound) {
   const std::vector<WidenedLimit> widened = widen_limits(bound_of(0.32), mission);
   EXPECT_EQ(limit_of(mission, Metric::tracking_rms), 1.5 * 0.32);
   EXPECT_EQ(limit_of(mission, Metric::tracking_max), 1.5 * (3.5 * 0.32));
-  EXPECT_EQ(limit_of(mission, Metric::height_rms), 0.05);  // the sensors can do better
+  EXPECT_EQ(limit_of(mission, Metric::height_rms), 0.05);  // the sensors are better
   EXPECT_EQ(limit_of(mission, Metric::height_max), 0.2);
   EXPECT_EQ(limit_of(mission, Metric::height_peak), 1.5 * (0.4 * 0.32));
-  EXPECT_EQ(limit_of(mission, Metric::yaw_rms), 0.02);  // in 1.5 times 0.01 too seldom
+  EXPECT_EQ(limit_of(mission, Metric::yaw_rms), 0.02);  // rarely exceeded with 1.5 times 0.01
   EXPECT_EQ(limit_of(mission, Metric::yaw_max), 0.1);
   EXPECT_EQ(limit_of(mission, Metric::overshoot), 1.5 * (3.5 * 0.32 / 2));  // a step of 2 m
   EXPECT_EQ(limit_of(mission, Metric::estimate_rms), 1.5 * 0.32);
   EXPECT_EQ(limit_of(mission, Metric::estimate_max), 1.5 * (3.5 * 0.32));
   EXPECT_EQ(limit_of(mission, Metric::position_drift), 1.5 * (5 * 0.32));
   EXPECT_EQ(limit_of(mission, Metric::final_distance), 1.5 * (6 * 0.32));
-  EXPECT_EQ(mission.settling.band, 0.1);  // steps are found by it
+  EXPECT_EQ(mission.settling.band, 0.1);  // steps are detected with it
   EXPECT_EQ(mission.settling.settled_band, 1.5 * (3.5 * 0.32));
   EXPECT_EQ(mission.settling.settled_yaw_band, 0);
-  for (const auto& [metric, most] :
+  for (const auto& [metric, max] :
        {std::pair(Metric::tilt_max, 0.01), std::pair(Metric::speed_max, 0.1),
         std::pair(Metric::saturation_time, 0.0), std::pair(Metric::energy, 1.0),
         std::pair(Metric::touchdown_speed, 0.0), std::pair(Metric::settling_time, 10.0)})
-    EXPECT_EQ(limit_of(mission, metric), most) << name_of(metric);
+    EXPECT_EQ(limit_of(mission, metric), max) << name_of(metric);
   ASSERT_EQ(widened.size(), 10U);
-  EXPECT_EQ(in_words(widened[0]), "bound of the sensors 0.16 rms; judged by 0.84 instead of 0.1");
+  EXPECT_EQ(describe(widened[0]), "bound of the sensors 0.16 rms; judged by 0.84 instead of 0.1");
   EXPECT_EQ(widened[1].what, "tracking_rms");
-  EXPECT_EQ(in_words(widened[1]),
+  EXPECT_EQ(describe(widened[1]),
             "bound of the sensors 0.32 m rms; judged by 0.48 m instead of 0.05 m");
   EXPECT_EQ(widened.back().what, "settling_band");
 }
@@ -81,7 +81,7 @@ TEST(WidenedLimits, StayWhereTheSensorsCanDoBetter) {
   EXPECT_EQ(mission, before);
 }
 
-/// A law that knows no more than the sensors passes; one that adds its own error fails.
+/// A law with the accuracy of the sensors passes; one that adds its own error fails.
 TEST(WidenedLimits, AreWhatAFlightIsJudgedBy) {
   FlightOptions options;
   options.vehicle = "uquad";

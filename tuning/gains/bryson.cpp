@@ -10,7 +10,7 @@
 namespace quadtune {
 namespace {
 
-/// 1 / limit², entry by entry.
+/// Returns 1 / limit² for each entry.
 Eigen::VectorXd inverse_squares(const Eigen::Ref<const Eigen::VectorXd>& limits, const char* name,
                                 bool may_be_infinite) {
   for (Eigen::Index i = 0; i < limits.size(); ++i) {

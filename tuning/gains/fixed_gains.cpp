@@ -21,7 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr const char* kWhere = "fixed gains";
-/// Bounds are searched with so much in reserve, and hold if not exceeded by more than kSlack.
+/// The search tightens all bounds by kReserve; a bound holds if it is not exceeded by more than
+/// kSlack.
 constexpr double kReserve = 0.02;
 constexpr double kSlack = 1e-3;
 
@@ -32,7 +33,8 @@ Eigen::RowVectorXcd inner_loop(const FixedGainsMember& member, const Eigen::RowV
   return result;
 }
 
-/// Σ max(0, |S_outer|/Ms - 1)² over the frequencies, its slope by F added to `slope`.
+/// Returns Σ max(0, |S_outer|/Ms - 1)² over the frequencies and adds `share` times its gradient
+/// with respect to F to `slope`.
 double outer_penalty(const FixedGainsMember& member, const Eigen::RowVectorXd& F, double Ms,
                      double share, MatrixXd& slope) {
   if (member.inner.empty() || std::isinf(Ms)) return 0;
@@ -60,7 +62,8 @@ double product_of(const GainProductBound& bound, const MatrixXd& F) {
   return product;
 }
 
-/// Σ max(0, product - 1)² with kReserve, its slope by F added to `slope`.
+/// Returns Σ max(0, product - 1)² with kReserve and adds `share` times its gradient with respect to
+/// F to `slope`.
 double product_penalty(const std::vector<GainProductBound>& bounds, const MatrixXd& F, double share,
                        MatrixXd& slope) {
   double sum = 0;
@@ -76,7 +79,7 @@ double product_penalty(const std::vector<GainProductBound>& bounds, const Matrix
   return sum;
 }
 
-/// The members' costs as a function of the free gains, each in units of its starting value.
+/// The costs of the members as a function of the free gains, each relative to its starting value.
 class Costs {
  public:
   Costs(const std::vector<FixedGainsMember>& members, const MatrixXd& start,
@@ -95,7 +98,8 @@ class Costs {
     return F;
   }
 
-  /// Σ weight · cost; false if a member is unstable, whose index is then `at_fault`.
+  /// Computes Σ weight · cost; returns false if a member is unstable, whose index is then in
+  /// `at_fault`.
   bool evaluate(const MatrixXd& F, double& cost) {
     ++evaluations;
     cost = 0;
@@ -112,7 +116,7 @@ class Costs {
     return true;
   }
 
-  /// Σ penalty, its slope added to that of the cost with `share`.
+  /// Returns Σ penalty and adds `share` times its gradient to that of the cost.
   double penalize(const MatrixXd& F, double share) {
     double sum = product_penalty(products_, F, share, slope_);
     for (const FixedGainsMember& member : members_) {
@@ -125,7 +129,7 @@ class Costs {
     return sum;
   }
 
-  /// The slope by the relative gains.
+  /// The gradient with respect to relative changes of the gains.
   void slope(double* result, double share) const {
     for (std::size_t n = 0; n < free_.size(); ++n) {
       const auto [i, j] = free_[n];
@@ -133,7 +137,7 @@ class Costs {
     }
   }
 
-  /// The largest relative violation, and whose it is.
+  /// The largest relative violation, and the index of its member.
   [[nodiscard]] std::pair<double, std::size_t> violation(const MatrixXd& F) const {
     std::pair<double, std::size_t> worst{-1, 0};
     for (const GainProductBound& bound : products_)
@@ -197,16 +201,17 @@ class Objective : public ceres::FirstOrderFunction {
 
 void require(const std::vector<FixedGainsMember>& members, const MatrixXd& start,
              const FixedGainsOptions& options) {
-  if (members.empty()) throw InvalidInput(kWhere, "no member came, expected at least one plant");
+  if (members.empty())
+    throw InvalidInput(kWhere, "there is no member; expected at least one plant");
   if (start.isZero(0))
     throw InvalidInput(kWhere,
-                       "every starting gain is 0, expected a free one that is not because "
+                       "every starting gain is 0; expected a nonzero free gain, because "
                        "gains of 0 stay 0");
   for (const GainProductBound& bound : options.products)
     if (start.rows() != 1 || std::ssize(bound.powers) != start.cols() || !(bound.factor > 0))
       throw InvalidInput(kWhere,
                          fmt::format("a bound on the product of the gains has {} powers and "
-                                     "the factor {}, expected {} powers, a factor > 0 and "
+                                     "the factor {}; expected {} powers, a factor > 0 and "
                                      "a law with one input",
                                      bound.powers.size(), bound.factor, start.cols()));
   if (options.max_iterations < 1)
@@ -219,11 +224,11 @@ void require(const std::vector<FixedGainsMember>& members, const MatrixXd& start
     if (member.response.size() == 0) continue;
     if (start.rows() != 1)
       throw InvalidInput(kWhere, fmt::format("the margins of '{}' are bounded and the law has {} "
-                                             "inputs, expected one",
+                                             "inputs; expected a law with one input",
                                              member.name, start.rows()));
     if (!(member.bounds.Ms > 1) || !(member.bounds.disk > 0) || !(member.bounds.disk < 2))
       throw InvalidInput(kWhere,
-                         fmt::format("the bounds of '{}' are Ms {} and disk {}, expected Ms "
+                         fmt::format("the bounds of '{}' are Ms {} and disk {}; expected Ms "
                                      "> 1 and a disk between 0 and 2",
                                      member.name, member.bounds.Ms, member.bounds.disk));
     if (!(member.outer_Ms > 1))
@@ -232,8 +237,9 @@ void require(const std::vector<FixedGainsMember>& members, const MatrixXd& start
                                              member.name, member.outer_Ms));
     for (const Index j : member.inner)
       if (j < 0 || j >= start.cols())
-        throw InvalidInput(kWhere, fmt::format("output {} of the inner loop of '{}' is none of {}",
-                                               j + 1, member.name, start.cols()));
+        throw InvalidInput(
+            kWhere, fmt::format("output {} of the inner loop of '{}' is not one of the {} outputs",
+                                j + 1, member.name, start.cols()));
   }
 }
 
@@ -273,7 +279,7 @@ FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const
   const bool bounded = !options.products.empty() ||
                        std::any_of(members.begin(), members.end(),
                                    [](const FixedGainsMember& m) { return m.response.size() > 0; });
-  // The weight of the penalty, whose minimum comes within the bounds as it grows.
+  // The weight of the penalty; the minimum moves inside the bounds as the weight grows.
   const std::vector<double> shares =
       bounded ? std::vector<double>{1, 10, 100, 1000, 1e4} : std::vector<double>{0};
   bool converged = false;
@@ -281,7 +287,7 @@ FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const
     const ceres::GradientProblem problem(new Objective(costs, result.start_cost, share));
     ceres::GradientProblemSolver::Summary summary;
     ceres::Solve(solver, problem, x.data(), &summary);
-    // A line search that finds nothing lower has come to rounding.
+    // If the line search finds no lower value, the search has reached rounding error.
     converged = summary.termination_type != ceres::NO_CONVERGENCE;
     if (bounded && costs.violation(costs.gains(x.data())).first <= kSlack) break;
   }

@@ -43,8 +43,8 @@ SensitivityPeak weighted_sensitivity(const DiagonalLqr& problem, const VectorXd&
 
 ExcessCost excess_cost(const DiagonalLqr& problem, const VectorXd& w, const RiccatiResult& solution,
                        const MatrixXd& K) {
-  // The cost of K beyond the optimum is Σ (K - K*)ᵀ S (K - K*) along K's loop: no difference of two
-  // large numbers.
+  // The excess cost of K over the optimum is Σ (K - K*)ᵀ S (K - K*) along the closed loop of K.
+  // This avoids the difference of two large numbers.
   const MatrixXd off = K - solution.K;
   const LqrWeights weights = problem.weights(w);
   LyapunovResult excess;
@@ -61,7 +61,7 @@ ExcessCost excess_cost(const DiagonalLqr& problem, const VectorXd& w, const Ricc
   }
   ExcessCost worst;
   if (!excess.solved()) {
-    worst.culprit = "its loop is too close to the border of stability: " + excess.culprit;
+    worst.culprit = "its loop is too close to the stability limit: " + excess.culprit;
     return worst;
   }
   for (Index i = 0; i < K.cols(); ++i) {
@@ -69,7 +69,7 @@ ExcessCost excess_cost(const DiagonalLqr& problem, const VectorXd& w, const Ricc
     const double relative = excess.X(i, i) / solution.X(i, i);
     if (!(relative <= worst.value)) worst = {relative, i, {}};
   }
-  if (std::isnan(worst.value)) worst.culprit = "the found one costs nothing";
+  if (std::isnan(worst.value)) worst.culprit = "the cost with the computed gain is 0";
   return worst;
 }
 

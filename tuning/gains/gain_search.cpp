@@ -19,11 +19,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Squared differences that are rounding: entries to about ten digits.
+/// Squared differences below this are rounding: the entries agree to about ten digits.
 constexpr double kNoDifference = 1e-20;
-/// Logarithms of a weight over its start beyond which no search goes: 35 decades.
+/// Largest logarithm of the ratio of a weight to its start: 35 decades.
 constexpr double kFar = 80;
-/// Standard deviation of a random start's logarithms: two decades.
+/// Standard deviation of the logarithms of a random start: two decades.
 constexpr double kSpread = 2 * std::numbers::ln10;
 
 bool is_zero(const VectorXd& w, const std::vector<int>& group) { return w(group.front()) == 0; }
@@ -45,7 +45,7 @@ VectorXd moved(const GainTarget& target, const VectorXd& w0, const std::vector<i
   return w;
 }
 
-/// The scaled differences as Ceres sees them.
+/// The scaled differences as a cost function of Ceres.
 class Differences : public ceres::CostFunction {
  public:
   Differences(const GainTarget& target, const VectorXd& w0, const std::vector<int>& free,
@@ -81,7 +81,8 @@ class Differences : public ceres::CostFunction {
   GainSearch& counts_;
 };
 
-/// Levenberg–Marquardt from w0. Its steps have no part along what the gain does not see.
+/// Levenberg–Marquardt from w0. Its steps are orthogonal to the directions that do not affect the
+/// gain.
 GainPoint descend(const GainTarget& target, const VectorXd& w0, GainSearch& counts) {
   GainPoint start = gain_point(target, w0);
   const std::vector<int> free = moving(target, w0);
@@ -103,7 +104,7 @@ GainPoint descend(const GainTarget& target, const VectorXd& w0, GainSearch& coun
   return end.solved() && end.cost() <= start.cost() ? end : start;
 }
 
-/// The matrices of the plant that the equation is of, and whether it is discrete.
+/// The matrices of the plant of the Riccati equation, and whether it is discrete.
 struct Plant {
   MatrixXd A, B;
   bool discrete;
@@ -117,11 +118,11 @@ Plant plant_of(const DiagonalLqr& problem) {
       problem.plant());
 }
 
-/// For each weight alone: what the given gain costs with it, and by how much that gain misses being
-/// stationary there; both are linear in the weights.
+/// For each weight alone: the cost of the given gain, and the residual of its stationarity
+/// condition; both are linear in the weights.
 struct Stationarity {
   std::vector<MatrixXd> R;     ///< R + BᵀXB, or R
-  std::vector<MatrixXd> miss;  ///< R K - Bᵀ X A_c - Nᵀ, A_c = I where time is continuous
+  std::vector<MatrixXd> miss;  ///< R K - Bᵀ X A_c - Nᵀ, A_c = I in continuous time
 };
 
 Stationarity stationarity(const GainTarget& target) {
@@ -149,8 +150,9 @@ Stationarity stationarity(const GainTarget& target) {
   return result;
 }
 
-/// The same by one singular vector, the differences weighted with the S of w. What comes out below
-/// 0 is raised to a little.
+/// Computes the weights closest to w in the space of the smallest singular vectors of the
+/// stationarity residuals, which are multiplied by S⁻¹ at w. Negative results are raised to a small
+/// positive value.
 VectorXd stationary_round(const GainTarget& target, const Stationarity& of, const VectorXd& w) {
   const std::vector<int> free = moving(target, w);
   MatrixXd S = MatrixXd::Zero(target.K.rows(), target.K.rows());
@@ -166,10 +168,10 @@ VectorXd stationary_round(const GainTarget& target, const Stationarity& of, cons
   if (!M.allFinite() || !(size.minCoeff() > 0)) return w;
   const Eigen::JacobiSVD<MatrixXd> svd(M * size.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
   const VectorXd& sigma = svd.singularValues();
-  const double least = std::max(2 * sigma.minCoeff(), 1e-9 * sigma(0));
+  const double min = std::max(2 * sigma.minCoeff(), 1e-9 * sigma(0));
   VectorXd v = VectorXd::Zero(size.size());
   for (Index k = 0; k < svd.matrixV().cols(); ++k)
-    if (k >= sigma.size() || sigma(k) <= least)
+    if (k >= sigma.size() || sigma(k) <= min)
       v += svd.matrixV().col(k) * svd.matrixV().col(k).dot(size);
   v = v.cwiseQuotient(size).eval();
   if (!v.allFinite() || !(v.maxCoeff() > 0)) return w;
@@ -177,16 +179,17 @@ VectorXd stationary_round(const GainTarget& target, const Stationarity& of, cons
   return moved(target, w, free, z.data());
 }
 
-/// A weight that went far down, and that may as well be 0, is 0: the others are looked for again.
+/// Sets a weight to 0 if it became very small and 0 fits as well; the other weights are then
+/// searched again.
 void settle_zeros(const GainTarget& target, const VectorXd& w0, GainSearch& search) {
   constexpr double kDown = 1e-3, kSeen = 1e-9;
-  // As large as they came, whatever became of the factor common to all.
+  // Restore the scale of the start, since the gain does not determine the common factor.
   const auto nu = target.problem.inputs();
   const double common =
       std::exp((search.best.w.tail(nu).array() / w0.tail(nu).array()).log().mean());
   for (std::size_t g = 0; g < target.groups.size(); ++g) {
     const int first = target.groups[g].front();
-    if (first >= target.problem.states()) continue;  // an input's weight is not 0
+    if (first >= target.problem.states()) continue;  // the weight of an input must not be 0
     const double usual = common * w0(first);
     if (search.best.w(first) == 0 || search.best.w(first) > kDown * usual) continue;
     VectorXd w = search.best.w;
@@ -195,7 +198,7 @@ void settle_zeros(const GainTarget& target, const VectorXd& w0, GainSearch& sear
     if (!without.solved()) continue;
     const double sensitivity =
         usual * by_weights(target, without).col(static_cast<Index>(g)).norm();
-    if (!(sensitivity > kSeen)) continue;  // not seen at all, which is another thing
+    if (!(sensitivity > kSeen)) continue;  // not determined by the gain, which is handled elsewhere
     without = descend(target, w, search);
     if (search.stopped) return;
     if (without.cost() > (1 + 1e-6) * search.best.cost() + kNoDifference) continue;
@@ -235,14 +238,14 @@ VectorXd stationary_weights(const GainTarget& target, const VectorXd& w0) {
   return w;
 }
 
-GainSearch search_weights(const GainTarget& target, const VectorXd& w0, int most,
+GainSearch search_weights(const GainTarget& target, const VectorXd& w0, int max,
                           std::uint64_t seed) {
   GainSearch search;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, kSpread);
   const std::vector<int> free = moving(target, w0);
   std::vector<double> costs;
-  for (int k = 0; k < most && !search.stopped; ++k) {
+  for (int k = 0; k < max && !search.stopped; ++k) {
     VectorXd from = w0;
     if (k == 1) {
       from = stationary_weights(target, w0);

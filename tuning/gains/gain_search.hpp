@@ -11,17 +11,17 @@
 
 namespace quadtune::internal {
 
-/// What is looked for: weights w = w0 ∘ exp(G z), one entry of z for each group of weights that are
-/// equal.
+/// The search problem: weights w = w0 ∘ exp(G z) with one entry of z for each group of equal
+/// weights.
 struct GainTarget {
   const DiagonalLqr& problem;
-  Eigen::MatrixXd K;      ///< (nu × (nx + ni)) the given gain
-  Eigen::MatrixXd scale;  ///< (nu × (nx + ni)) > 0: what a difference is relative to
-  std::vector<std::vector<int>> groups;  ///< indices of weights that are equal, each once
+  Eigen::MatrixXd K;                     ///< (nu × (nx + ni)) the given gain
+  Eigen::MatrixXd scale;                 ///< (nu × (nx + ni)) > 0, unit of each difference
+  std::vector<std::vector<int>> groups;  ///< indices of equal weights; each index occurs once
   std::function<bool()> interrupted;
 };
 
-/// The gain of some weights beside the given one.
+/// The gain of some weights compared with the given gain.
 struct GainPoint {
   Eigen::VectorXd w;       ///< (p)
   RiccatiResult solution;  ///< of w
@@ -32,31 +32,33 @@ struct GainPoint {
 };
 [[nodiscard]] GainPoint gain_point(const GainTarget& target, const Eigen::VectorXd& w);
 
-/// Derivative of the scaled differences by the logarithm of each group's weight, and by the weight.
+/// Derivative of the scaled differences with respect to the logarithm of the weight of each group,
+/// and with respect to the weight.
 [[nodiscard]] Eigen::MatrixXd by_logarithms(const GainTarget& target, const GainPoint& at);
 [[nodiscard]] Eigen::MatrixXd by_weights(const GainTarget& target, const GainPoint& at);
 
-/// Weights that make the given gain's own cost stationary, as nearly as can be: of an LQR gain
-/// those that it is of, without a search. Among several the nearest to w0, entries of 0 as there.
+/// Computes the weights for which the given gain is closest to a stationary point of its own cost.
+/// For an LQR gain this yields its weights without a search. If there are several, the result is
+/// the closest to w0; entries of 0 stay 0.
 /// @param w0  (p) equal within each group
 [[nodiscard]] Eigen::VectorXd stationary_weights(const GainTarget& target,
                                                  const Eigen::VectorXd& w0);
 
-/// Where the searches ended.
+/// Result of the searches.
 struct GainSearch {
   bool stopped = false;    ///< interrupted; nothing else is valid
-  GainPoint best;          ///< not solved where no search could begin
-  std::vector<int> zeros;  ///< groups whose weight the best gain wants none of
+  GainPoint best;          ///< not solved if no search could start
+  std::vector<int> zeros;  ///< groups whose weight is 0 at the best gain
   int evaluations = 0;
   int starts = 0;
   int agreeing = 0;
 };
 
-/// Searches from w0; from stationary_weights(); from random ones.
-/// Of ends of equal cost the first counts, so that what the gain does not see stays as it came.
+/// Searches from w0, from stationary_weights(), and from random points. Among results of equal cost
+/// the first is kept, so that weights that the gain does not determine keep their start.
 /// @param w0    (p) equal within each group
-/// @param most  searches at most, ≥ 1
+/// @param most  maximum number of searches, ≥ 1
 [[nodiscard]] GainSearch search_weights(const GainTarget& target, const Eigen::VectorXd& w0,
-                                        int most, std::uint64_t seed);
+                                        int max, std::uint64_t seed);
 
 }  // namespace quadtune::internal

@@ -39,16 +39,18 @@ double HoverSlopes::torque_factor(double w) const {
 }
 
 Slopes HoverSlopes::at(double mass, double thrust) const {
-  // The flight program shares a wrench out by the nominal curves: all of it comes τ times.
+  // The flight program distributes a wrench by the nominal curves, so the actual wrench is τ times
+  // the commanded one.
   if (law_ == Law::wrench) return {thrust, thrust};
   const double w = speed(mass / thrust);
   return {thrust * thrust_factor(w) / thrust_factor(w0_),
           thrust * torque_factor(w) / torque_factor(w0_)};
 }
 
-// ∂T/∂w = τ √(a1² + 4 a2 T0 μ/τ) rises with μ and with τ, and over μ it falls with μ. ∂Q/∂w is,
-// with τ w concave in τ, rising with μ and concave in τ: its least is in a corner, its greatest too
-// unless it falls at the upper end of τ, from where the tangent bounds it.
+// ∂T/∂w = τ √(a1² + 4 a2 T0 μ/τ) increases with μ and with τ; divided by μ it decreases with μ.
+// ∂Q/∂w increases with μ and, since τ w is concave in τ, is concave in τ. Its minimum is therefore
+// at a corner, and so is its maximum, unless it decreases at the upper end of τ; in that case the
+// tangent there is an upper bound.
 SlopeBounds HoverSlopes::over_speeds(double mass_low, double mass_high, double thrust_low,
                                      double thrust_high) const {
   SlopeBounds bounds;
@@ -77,7 +79,7 @@ SlopeBounds HoverSlopes::over(double mass_low, double mass_high, double thrust_l
   SlopeBounds bounds;
   bounds.thrust = bounds.torque = {thrust_low, thrust_high};
   if (law_ != Law::wrench) {
-    // Each factor is monotone in w, which rises with μ/τ; that τ stands in both is not used.
+    // Each factor is monotone in w, which increases with μ/τ; that τ occurs in both is not used.
     const double slow = speed(mass_low / thrust_high);
     const double fast = speed(mass_high / thrust_low);
     const auto times_tau = [&](double a, double b, double nominal) {

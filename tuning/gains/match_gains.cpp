@@ -28,20 +28,20 @@ using internal::GainPoint;
 using internal::GainTarget;
 
 constexpr char kMatchWhere[] = "match_gains";
-/// Least scale of a difference, over the largest entry of its row, and of the matrix.
-constexpr double kLeastInRow = 1e-6;
-constexpr double kLeast = 1e-9;
+/// Minimum scale of a difference, relative to the largest entry of its row and of the matrix.
+constexpr double kMinInRow = 1e-6;
+constexpr double kMin = 1e-9;
 
 void check(const MatrixXd& K, const DiagonalLqr& problem, const VectorXd& w0,
            const GainMatchOptions& options) {
   require_shape(K, problem.inputs(), problem.states(), kMatchWhere, "[K K_int]",
                 "one row per input, one column per state and integral");
   require_finite(K, kMatchWhere, "[K K_int]");
-  if (K.isZero(0)) throw InvalidInput(kMatchWhere, "the gain is 0, expected one that feeds back");
+  if (K.isZero(0)) throw InvalidInput(kMatchWhere, "the gain is 0; expected a nonzero gain");
   if (w0.size() != problem.size())
     throw InvalidInput(kMatchWhere,
-                       fmt::format("{} weights came, expected {} ({})", w0.size(), problem.size(),
-                                   internal::joined(problem.names(), " ")));
+                       fmt::format("there are {} weights; expected {} ({})", w0.size(),
+                                   problem.size(), internal::joined(problem.names(), " ")));
   for (Index i = 0; i < w0.size(); ++i)
     if (!std::isfinite(w0(i)) || w0(i) < 0 || (w0(i) == 0 && i >= problem.states()))
       throw InvalidInput(kMatchWhere,
@@ -55,7 +55,7 @@ void check(const MatrixXd& K, const DiagonalLqr& problem, const VectorXd& w0,
     throw InvalidInput(kMatchWhere, fmt::format("{} starts, expected 1 or more", options.starts));
 }
 
-/// What each entry's difference is relative to.
+/// Scale of the difference of each entry.
 MatrixXd scale_of(const MatrixXd& K) {
   const MatrixXd size = K.cwiseAbs();
   const VectorXd row = size.rowwise().maxCoeff();
@@ -64,11 +64,11 @@ MatrixXd scale_of(const MatrixXd& K) {
   for (Index i = 0; i < K.rows(); ++i)
     for (Index j = 0; j < K.cols(); ++j)
       scale(i, j) =
-          std::max({std::min(row(i), column(j)), kLeastInRow * row(i), kLeast * size.maxCoeff()});
+          std::max({std::min(row(i), column(j)), kMinInRow * row(i), kMin * size.maxCoeff()});
   return scale;
 }
 
-/// Every weight by itself, but those that are tied.
+/// Groups of the weights: tied weights together, each other weight alone.
 std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
                                         const std::vector<std::vector<std::string>>& ties) {
   std::vector<std::vector<int>> groups;
@@ -78,19 +78,21 @@ std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
     for (const std::string& name : tie) {
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end())
-        throw InvalidInput(kMatchWhere,
-                           fmt::format("no weight of '{}' to tie, expected some of: {}{}",
-                                       internal::printable(name), internal::joined(names, " "),
-                                       internal::did_you_mean(name, names)));
+        throw InvalidInput(
+            kMatchWhere,
+            fmt::format("cannot tie the weight of '{}': unknown name; expected some of: {}{}",
+                        internal::printable(name), internal::joined(names, " "),
+                        internal::did_you_mean(name, names)));
       const auto index = static_cast<std::size_t>(found - names.begin());
       if (tied[index])
-        throw InvalidInput(kMatchWhere, fmt::format("'{}' is tied twice, expected once", name));
+        throw InvalidInput(kMatchWhere,
+                           fmt::format("'{}' is in more than one tie; expected at most one", name));
       tied[index] = true;
       group.push_back(static_cast<int>(index));
     }
     if (group.size() < 2)
       throw InvalidInput(kMatchWhere,
-                         fmt::format("a tie of {} weights, expected 2 or more", group.size()));
+                         fmt::format("a tie has {} weights; expected 2 or more", group.size()));
   }
   for (std::size_t i = 0; i < names.size(); ++i)
     if (!tied[i]) groups.push_back({static_cast<int>(i)});
@@ -100,7 +102,7 @@ std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
   return groups;
 }
 
-/// Tied weights begin at their geometric mean.
+/// Tied weights start at their geometric mean.
 void level_ties(const DiagonalLqr& problem, const std::vector<std::vector<int>>& groups,
                 VectorXd& w) {
   const Index n = problem.states();
@@ -110,14 +112,14 @@ void level_ties(const DiagonalLqr& problem, const std::vector<std::vector<int>>&
       const std::string& name = problem.names()[static_cast<std::size_t>(i)];
       const std::string& first = problem.names()[static_cast<std::size_t>(group.front())];
       if ((i < n) != (group.front() < n))
-        throw InvalidInput(kMatchWhere,
-                           fmt::format("'{}' and '{}' are tied, expected states or inputs, "
-                                       "because Q and R are in different units",
-                                       first, name));
+        throw InvalidInput(
+            kMatchWhere, fmt::format("'{}' and '{}' are tied; expected only states or only inputs, "
+                                     "because Q and R are in different units",
+                                     first, name));
       if ((w(i) == 0) != (w(group.front()) == 0))
         throw InvalidInput(kMatchWhere,
                            fmt::format("'{}' and '{}' are tied and one of them has the "
-                                       "weight 0, expected both or none",
+                                       "weight 0; expected both or neither",
                                        first, name));
       sum += std::log(w(i));
     }
@@ -134,7 +136,7 @@ std::string weight_name(const DiagonalLqr& problem, const LqrDesign& design, Ind
   return fmt::format("{}({})", i < nx ? "Q" : "R", problem.names()[static_cast<std::size_t>(i)]);
 }
 
-/// The pole of the given gain's loop that is not stable; empty where there is none.
+/// Describes the unstable pole of the loop of the given gain; empty if the loop is stable.
 std::string unstable_pole(const DiagonalLqr& problem, const MatrixXd& K) {
   return std::visit(
       [&](const auto& plant) -> std::string {
@@ -142,7 +144,7 @@ std::string unstable_pole(const DiagonalLqr& problem, const MatrixXd& K) {
         const MatrixXd loop = plant.A - plant.B * K;
         const Eigen::VectorXcd poles = loop.eigenvalues();
         const double worst = discrete ? poles.cwiseAbs().maxCoeff() : poles.real().maxCoeff();
-        // An integral that is not fed back lies on the border but for rounding.
+        // The pole of an integral that is not fed back is on the stability limit, up to rounding.
         const double rounding = 1e-13 * (discrete ? 1 : loop.norm());
         if (worst < (discrete ? 1 : 0) - rounding) return "";
         return discrete
@@ -152,7 +154,7 @@ std::string unstable_pole(const DiagonalLqr& problem, const MatrixXd& K) {
       problem.plant());
 }
 
-/// The entry that differs most.
+/// The entry with the largest difference.
 struct Worst {
   double value = 0;
   Index row = 0, column = 0;
@@ -181,7 +183,7 @@ void tell_differences(const GainTarget& target, const GainPoint& start, const Ga
   match.found = best.solution.K(worst.row, worst.column);
 }
 
-/// Names, intervals and verdicts of the weights, tied ones alike.
+/// Names, intervals and verdicts of the weights; tied weights share theirs.
 void tell_weights(const GainTarget& target, const VectorXd& w0, const GainPoint& best,
                   const LqrDesign& design, double tolerance, GainMatch& match) {
   const auto count = std::ssize(target.groups);
@@ -274,7 +276,7 @@ GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
     match.culprit = search.stopped ? "" : first.solution.culprit;
     return match;
   }
-  // The gain knows no factor common to all weights: R keeps its geometric mean.
+  // The gain does not determine the common factor of all weights: R keeps its geometric mean.
   const double mean = search.best.w.tail(problem.inputs()).array().log().mean();
   const GainPoint best = internal::gain_point(target, search.best.w * std::exp(mean_R - mean));
   if (!best.solved()) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Global: controlled random search with local mutation (Kaelo and Ali 2006), limits as a penalty,
-// since it has none of its own. Local: COBYLA (Powell 1994), which keeps limits as such. Both of
-// NLopt.
+// Global: controlled random search with local mutation (Kaelo and Ali 2006). It has no constraints,
+// so limits are a penalty. Local: COBYLA (Powell 1994), with the limits as constraints. Both are
+// from NLopt.
 #include "quadtune/tuning/mission_search.hpp"
 
 #include <fmt/format.h>
@@ -23,22 +23,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Cost of a limit that is passed by its whole size, against the start's cost of about 1.
+/// Cost of a limit that is exceeded by 100 %, compared with a cost of the start of about 1.
 constexpr double kPenalty = 20;
-/// Of a point without a controller.
+/// Cost of a point without a controller.
 constexpr double kNoDesign = 2 * MissionTrial::kFailure;
-/// How far within its limits a point is to stay, as a share: fresh draws are not those of the
-/// search.
+/// Distance that the search keeps from a limit, as a share, because fresh draws differ from those
+/// of the search.
 constexpr double kDistance = 0.01;
-/// Of a limit that leaves next to no room above the least value.
-constexpr double kLeastRoom = 0.01;
-/// What nobody would change gains for [%].
-constexpr double kLeastGain = 0.1;
-/// A limit binds where the point is nearer than this to where it may go, as a share.
+/// Minimum distance between a bound and the smallest possible value.
+constexpr double kMinRoom = 0.01;
+/// Smallest cost reduction that justifies a change of gains [%].
+constexpr double kMinGain = 0.1;
+/// A limit is active if the point is closer than this to the largest allowed excess, as a share.
 constexpr double kEdge = 0.005;
-/// Draws of the proof after an interrupt: nobody wants to wait then.
+/// Draws of the proof after an interrupt, few so that it ends soon.
 constexpr std::uint32_t kHurriedProof = 100;
-/// Share of the time for the global part.
+/// Share of the time limit for the global search.
 constexpr double kGlobalShare = 0.45;
 
 struct Optimizer {
@@ -47,12 +47,12 @@ struct Optimizer {
   std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> handle;
 };
 
-/// A point with what became of it.
+/// A point with the outcome of its flights.
 struct Tried {
   Eigen::VectorXd x;
   DesignPoint design;
   TrialOutcome outcome;
-  Eigen::VectorXd excess;  ///< of all limits, ≤ 0 where kept
+  Eigen::VectorXd excess;  ///< of all limits, ≤ 0 if satisfied
   double cost = kNoDesign;
 };
 
@@ -64,7 +64,7 @@ struct LinearProgram {
   double reach = 0;
 };
 
-/// The d of a program; 0 where none is found that is better.
+/// The solution d of a program; 0 if no better one is found.
 Eigen::VectorXd solution(const LinearProgram& program) {
   const double size = program.slope.norm();
   Eigen::VectorXd none = Eigen::VectorXd::Zero(program.slope.size());
@@ -74,7 +74,7 @@ Eigen::VectorXd solution(const LinearProgram& program) {
   nlopt_opt opt = optimizer.handle.get();
   nlopt_set_lower_bounds1(opt, -program.reach);
   nlopt_set_upper_bounds1(opt, program.reach);
-  // Scaled so that the first quadratic model reaches from bound to bound.
+  // Scaled so that the first quadratic model extends from bound to bound.
   const Eigen::VectorXd direction = program.slope / size;
   const auto value = [](unsigned count, const double* x, double* gradient, void* data) {
     const auto& along = *static_cast<const Eigen::VectorXd*>(data);
@@ -113,16 +113,16 @@ class Search {
     start_ = tried(space_.start);
     if (!start_.design.controller)
       throw InvalidInput("search",
-                         "the design that it begins with has no solution or is not "
+                         "the design at the start has no solution or is not "
                          "stable");
-    // A limit that the start passes already is one to come nearer to, not one that ends the search;
-    // one that it is at may stay there.
+    // A limit that the start exceeds is to be approached and does not end the search; a point may
+    // stay at a limit at which the start is.
     slack_ = start_.excess.cwiseMax(-kDistance);
     target_ = (slack_.array() > kLimitTolerance).select(-kDistance, slack_);
     best_ = now_ = start_;
     told();
     go(NLOPT_GN_CRS2_LM, kGlobalShare);
-    // Twice, since its first steps are wide.
+    // Run it twice, since its first steps are large.
     for (const double until : {0.75, 1.0}) go(NLOPT_LN_COBYLA, until);
     return judged();
   }
@@ -141,7 +141,7 @@ class Search {
     return trial_.request().measure == RobustMeasure::quantile;
   }
 
-  /// What of the best point is compared with the start.
+  /// The quantity of the best point that is compared with the start.
   [[nodiscard]] std::string compared() const {
     return of_quantile() ? fmt::format("the {:g} quantile of its cost is", trial_.request().share)
                          : "it costs";
@@ -167,7 +167,7 @@ class Search {
     return point;
   }
 
-  /// Whether a point keeps all limits, or passes none farther than the start does.
+  /// Whether a point satisfies all limits, or exceeds none by more than the start does.
   [[nodiscard]] bool allowed(const Tried& point) const {
     return (point.excess - slack_).maxCoeff() <= kLimitTolerance || point.excess.size() == 0;
   }
@@ -175,11 +175,12 @@ class Search {
     if (allowed(a) != allowed(b)) return allowed(a);
     return penalized(a) < penalized(b);
   }
-  /// The cost with what is to be paid for limits that are passed.
+  /// The cost plus the penalty of exceeded limits.
   [[nodiscard]] double penalized(const Tried& point) const {
     return point.cost + kPenalty * (point.excess - target_).cwiseMax(0).sum();
   }
-  /// The same for those alone that the start passes: the others are constraints.
+  /// The same with the penalty of only those limits that the start exceeds: the others are
+  /// constraints.
   [[nodiscard]] double constrained(const Tried& point) const {
     return point.cost + kPenalty * (slack_.array() > kLimitTolerance)
                                        .select(point.excess - target_, 0.0)
@@ -205,7 +206,7 @@ class Search {
     return now_;
   }
 
-  /// What the point `now_` was, for the record and for who waits.
+  /// Records the point `now_` and reports the progress.
   void told() {
     steps_.push_back(
         {now_.design.controller ? now_.cost : std::nan(""), allowed(now_), best_.cost});
@@ -236,7 +237,7 @@ class Search {
           point.excess(static_cast<Eigen::Index>(i)) - self.slack_(static_cast<Eigen::Index>(i));
   }
 
-  /// One algorithm from the best point, until a share of time or evaluations is spent.
+  /// Runs one algorithm from the best point, until a share of time or evaluations is spent.
   void go(nlopt_algorithm algorithm, double share) {
     const double left = share * options_.seconds - seconds();
     const auto points = static_cast<int>(share * options_.evaluations) - evaluations_;
@@ -293,7 +294,7 @@ class Search {
     } catch (const Interrupted&) {
       end_ = SearchEnd::interrupted;
       result.proof_before = result.proof_after = {};
-      result.reason = "interrupted before what was found was proved";
+      result.reason = "interrupted before the proof of the best point was complete";
     }
     if (result.accepted) result.best = best_.x;
     const Tried& taken = result.accepted ? best_ : start_;
@@ -311,7 +312,7 @@ class Search {
     return result;
   }
 
-  /// The limits of a point by name, with their places.
+  /// The limits of a point by name, with their indices.
   static std::vector<std::pair<std::string, Eigen::Index>> names(const Tried& point) {
     std::vector<std::pair<std::string, Eigen::Index>> all;
     for (const DesignLimit& limit : point.design.limits)
@@ -322,16 +323,17 @@ class Search {
     return all;
   }
 
-  /// What a looser limit buys: slopes of cost and limits at the best point say where to go with the
-  /// limit as it is and with a looser one, and both points are flown.
+  /// Computes the cost reduction that looser limits allow: the slopes of cost and limits at the
+  /// best point determine the optimum with the limit as it is and with a looser one, and both
+  /// points are flown.
   void price(MissionSearchResult& result) {
     constexpr double kStep = 0.02, kReach = 0.1;
     const Eigen::Index n = best_.x.size(), m = best_.excess.size();
-    // As the search has it: a limit that the start breaks costs from its target on.
-    const Eigen::VectorXd most =
+    // As in the search: a limit that the start exceeds is penalized from its target on.
+    const Eigen::VectorXd max =
         (slack_.array() > kLimitTolerance).select(target_, slack_).cwiseMax(best_.excess);
-    LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n),
-                          most - best_.excess, kReach};
+    LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n), max - best_.excess,
+                          kReach};
     for (Eigen::Index j = 0; j < n; ++j)
       for (const double step : {kStep, -kStep}) {
         Eigen::VectorXd x = best_.x;
@@ -342,11 +344,11 @@ class Search {
         program.slopes.col(j) = (beside.excess - best_.excess) / step;
         break;
       }
-    const double kept = flown_cost(program, most, best_.cost);
+    const double kept = flown_cost(program, max, best_.cost);
     std::vector<double> buys;
     for (const std::string& binding : result.binding) {
       LinearProgram loosened = program;
-      Eigen::VectorXd looser = most;
+      Eigen::VectorXd looser = max;
       for (const auto& [name, i] : names(best_))
         if (name == binding) {
           loosened.room(i) += kLoosened;
@@ -357,27 +359,27 @@ class Search {
     result.buys = buys;
   }
 
-  /// The cost at the solution of a program, or half or a quarter of the way to it, whichever is the
-  /// first to keep the limits; at most `usual`.
-  double flown_cost(const LinearProgram& program, const Eigen::VectorXd& most, double usual) {
+  /// The cost at the solution of a program, or at half or a quarter of the step to it: the first of
+  /// these that satisfies the limits. At most `usual`.
+  double flown_cost(const LinearProgram& program, const Eigen::VectorXd& max, double usual) {
     const Eigen::VectorXd change = solution(program);
     for (const double share : {1.0, 0.5, 0.25}) {
       const Tried point = tried(best_.x + share * change);
       if (!point.design.controller) continue;
-      if (most.size() == 0 || (point.excess - most).maxCoeff() <= kEdge)
+      if (max.size() == 0 || (point.excess - max).maxCoeff() <= kEdge)
         return std::min(point.cost, usual);
     }
     return usual;
   }
 
-  /// Flies start and best on draws that the search has not seen: it may have found what is good for
-  /// its own alone.
+  /// Flies the start and the best point on draws that the search has not used, since the search may
+  /// have fitted its own draws.
   void prove(MissionSearchResult& result) {
     const bool hurried = end_ == SearchEnd::interrupted;
     const std::uint32_t first = trial_.request().draws;
-    const std::uint32_t most = std::max(kHurriedProof, least_draws(trial_.request()));
+    const std::uint32_t max = std::max(kHurriedProof, min_draws(trial_.request()));
     const std::uint32_t count =
-        hurried ? std::min(options_.proof_draws, most) : options_.proof_draws;
+        hurried ? std::min(options_.proof_draws, max) : options_.proof_draws;
     const auto fresh = [&](const Tried& point) {
       return trial_.fly(*point.design.controller, first, count,
                         hurried ? MissionTrial::Stop{} : options_.stop);
@@ -396,8 +398,8 @@ class Search {
     result.less = -100 * result.difference.value / whole;
     result.less_low = -100 * result.difference.high / whole;
     result.less_high = -100 * result.difference.low / whole;
-    result.reason =
-        same ? "no point that keeps the limits costs less than the start" : refused(result, count);
+    result.reason = same ? "no point that satisfies the limits costs less than the start"
+                         : refused(result, count);
     if (!result.reason.empty()) return;
     result.accepted = true;
     const std::string cost =
@@ -406,13 +408,14 @@ class Search {
                     result.less < 0 ? -result.less_high : result.less_low,
                     result.less < 0 ? -result.less_low : result.less_high);
     result.repaired = repaired(result);
-    result.reason = result.repaired ? "it keeps all limits, as the start does not; " + cost : cost;
+    result.reason =
+        result.repaired ? "it satisfies all limits, and the start does not; " + cost : cost;
   }
 
-  /// Whether the best point keeps all limits on fresh draws and the start does not.
+  /// Whether the best point satisfies all limits on fresh draws and the start does not.
   [[nodiscard]] bool repaired(const MissionSearchResult& result) const {
     const auto keeps = [](const Tried& point, const TrialOutcome& proof) {
-      return proof.keeps_limits() &&
+      return proof.satisfies_limits() &&
              std::all_of(
                  point.design.limits.begin(), point.design.limits.end(),
                  [](const DesignLimit& limit) { return limit.excess() <= kLimitTolerance; });
@@ -420,26 +423,27 @@ class Search {
     return keeps(best_, result.proof_after) && !keeps(start_, result.proof_before);
   }
 
-  /// Why the fresh draws speak against the best point; empty where they do not.
+  /// Why the best point is rejected on the fresh draws; empty if it is not.
   [[nodiscard]] std::string refused(const MissionSearchResult& result, std::uint32_t count) const {
     const TrialOutcome &then = result.proof_before, &now = result.proof_after;
     for (std::size_t i = 0; i < now.limits.size(); ++i)
       if (now.limits[i].excess() > std::max(then.limits[i].excess(), 0.0) + kLimitTolerance)
-        return fmt::format("on {} fresh draws it passes {} of {}: {:.4g}, expected at most {:.4g}",
+        return fmt::format("on {} fresh draws it exceeds {} of {}: {:.4g}, expected at most {:.4g}",
                            count, name_of(now.limits[i].metric), now.limits[i].mission,
-                           now.limits[i].value, std::max(now.limits[i].most, then.limits[i].value));
+                           now.limits[i].value, std::max(now.limits[i].max, then.limits[i].value));
     if (now.failed > then.failed)
-      return fmt::format("{} of {} fresh flights end early, with the start {}", now.failed,
-                         now.flights, then.failed);
+      return fmt::format("{} of {} fresh flights end early, compared with {} for the start",
+                         now.failed, now.flights, then.failed);
     if (repaired(result)) return {};
-    if (!(result.less_low > kLeastGain))
+    if (!(result.less_low > kMinGain))
       return fmt::format(
-          "on {} fresh draws {} {:.3g} % less than {} ({:.3g} to {:.3g} %): not surely {} % less",
+          "on {} fresh draws {} {:.3g} % less than {} ({:.3g} to {:.3g} %): not significantly {} % "
+          "less",
           count, compared(), result.less, of_quantile() ? "the start's" : "the start",
-          result.less_low, result.less_high, kLeastGain);
-    // The mean is surely less; the worst, if that was asked for, may not be.
+          result.less_low, result.less_high, kMinGain);
+    // The mean is significantly lower, but the worst case, if that is the measure, may not be.
     if (now.cost > then.cost)
-      return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, of the start's {:.4g}",
+      return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, that of the start {:.4g}",
                          count, to_string(trial_.request().measure), now.cost, then.cost);
     return {};
   }
@@ -449,8 +453,8 @@ class Search {
   const MissionSearchOptions& options_;
   Clock::time_point begin_;
   Tried start_, best_, now_;
-  Eigen::VectorXd slack_;   ///< how far each limit may be passed
-  Eigen::VectorXd target_;  ///< from where on that costs
+  Eigen::VectorXd slack_;   ///< largest allowed excess of each limit
+  Eigen::VectorXd target_;  ///< excess from which it is penalized
   std::vector<SearchStep> steps_;
   int evaluations_ = 0;
   bool converged_ = false;
@@ -462,7 +466,7 @@ class Search {
 
 double DesignLimit::excess() const {
   if (at_least && value == std::numeric_limits<double>::infinity()) return -1;
-  const double size = std::max(std::abs(bound - least), kLeastRoom);
+  const double size = std::max(std::abs(bound - min), kMinRoom);
   return excess_of((at_least ? bound - value : value - bound) / size);
 }
 
@@ -478,10 +482,10 @@ MissionSearchResult search_missions(const DesignSpace& space, const MissionTrial
       !(space.reach > 0) || space.start.size() == 0 ||
       space.start.size() != std::ssize(space.names))
     throw InvalidInput("search", "seconds, evaluations, proof draws or the space are out of range");
-  if (const std::uint32_t least = least_draws(trial.request()); options.proof_draws < least)
-    throw InvalidInput("search", fmt::format("{} fresh draws tell too little of the {:g} quantile, "
+  if (const std::uint32_t min = min_draws(trial.request()); options.proof_draws < min)
+    throw InvalidInput("search", fmt::format("{} fresh draws are too few for the {:g} quantile, "
                                              "expected at least {}",
-                                             options.proof_draws, trial.request().share, least));
+                                             options.proof_draws, trial.request().share, min));
   return Search(space, trial, options).run();
 }
 

@@ -18,10 +18,10 @@ namespace quadtune {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// A figure this small against its unit measures nothing.
-constexpr double kLeastScale = 1e-9;
+/// A metric this small relative to its unit counts as zero.
+constexpr double kMinScale = 1e-9;
 
-/// By the measure, of values that may be infinite.
+/// Combines values, which may be infinite, by the measure.
 double robust(const TrialRequest& request, std::vector<double> values) {
   switch (request.measure) {
     case RobustMeasure::mean:
@@ -36,10 +36,11 @@ double robust(const TrialRequest& request, std::vector<double> values) {
 }
 
 void require_pairs(const char* where, const std::vector<double>& first,
-                   const std::vector<double>& second, std::size_t least) {
-  if (first.size() != second.size() || first.size() < least)
-    throw InvalidInput(where, fmt::format("{} and {} values, expected as many, {} or more",
-                                          first.size(), second.size(), least));
+                   const std::vector<double>& second, std::size_t min) {
+  if (first.size() != second.size() || first.size() < min)
+    throw InvalidInput(where,
+                       fmt::format("there are {} and {} values; expected equal numbers, {} or more",
+                                   first.size(), second.size(), min));
 }
 
 bool ended_early(const FlightResult& result) { return result.end != FlightEnd::completed; }
@@ -56,12 +57,14 @@ std::string to_string(RobustMeasure measure) { return internal::name_in(kRobustM
 RobustMeasure robust_measure(const std::string& name, const std::string& where) {
   if (const auto measure = internal::value_in(kRobustMeasures, name)) return *measure;
   throw InvalidInput(
-      where, fmt::format("'{}' came, expected mean, quantile or worst{}", internal::printable(name),
+      where, fmt::format("unknown measure '{}'; expected mean, quantile or worst{}",
+                         internal::printable(name),
                          internal::did_you_mean(name, internal::names_in(kRobustMeasures))));
 }
 
 void validate(const TrialRequest& request, const std::string& where) {
-  if (request.missions.empty()) throw InvalidInput(where, "there is no mission, expected some");
+  if (request.missions.empty())
+    throw InvalidInput(where, "there is no mission; expected at least one");
   double sum = 0;
   for (const CostTerm& term : request.cost) {
     if (!(term.weight >= 0) || !std::isfinite(term.weight))
@@ -69,11 +72,12 @@ void validate(const TrialRequest& request, const std::string& where) {
                                             name_of(term.metric), term.weight));
     sum += term.weight;
   }
-  if (!(sum > 0)) throw InvalidInput(where, "the cost has no weight, expected one of more than 0");
+  if (!(sum > 0))
+    throw InvalidInput(where, "the cost has no weight; expected at least one greater than 0");
   if (request.draws == 0) throw InvalidInput(where, "there are 0 draws, expected 1 or more");
-  if (!(request.share >= kLeastTail && request.share <= 1 - kLeastTail))
+  if (!(request.share >= kMinTail && request.share <= 1 - kMinTail))
     throw InvalidInput(where, fmt::format("the quantile is {}, expected from {} to {}",
-                                          request.share, kLeastTail, 1 - kLeastTail));
+                                          request.share, kMinTail, 1 - kMinTail));
   validate(request.uncertainty, where);
   for (const TrialMission& mission : request.missions) {
     FlightSetup setup = mission.setup;
@@ -86,9 +90,9 @@ double excess_of(double share) {
   return share > 1 ? 2 - 1 / share : std::max(share, -1.0);
 }
 
-double TrialLimit::excess() const { return excess_of(most > 0 ? value / most - 1 : value); }
+double TrialLimit::excess() const { return excess_of(max > 0 ? value / max - 1 : value); }
 
-bool TrialOutcome::keeps_limits() const {
+bool TrialOutcome::satisfies_limits() const {
   return std::all_of(limits.begin(), limits.end(),
                      [](const TrialLimit& limit) { return limit.excess() <= kLimitTolerance; });
 }
@@ -114,13 +118,13 @@ MissionTrial::MissionTrial(TrialRequest request, const Controller& reference, st
         sum += value;
         ++count;
       }
-      scales.push_back({count > 0 && sum / count > kLeastScale ? sum / count : 1,
+      scales.push_back({count > 0 && sum / count > kMinScale ? sum / count : 1,
                         completed == 0 || lacking<completed, completed> 0});
     }
   }
 }
 
-/// A mission that measures nothing of the cost would call every controller perfect.
+/// A mission that has no metric of the cost would rate every controller as perfect.
 void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightResult>& flown) const {
   bool any_completed = false;
   for (std::uint32_t d = 0; d < request_.draws; ++d) {
@@ -131,11 +135,10 @@ void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightRes
       if (term.weight > 0 && !std::isnan(result.metrics[term.metric])) return;
   }
   if (!any_completed) return;
-  throw InvalidInput(
-      "trial",
-      fmt::format("the mission '{}' measures no figure of the cost in {} s, "
-                  "expected one that it does, e.g. by a longer flight",
-                  request_.missions[mission].name, duration_of(request_.missions[mission].setup)));
+  throw InvalidInput("trial", fmt::format("the mission '{}' yields no metric of the cost in {} s; "
+                                          "expected at least one, e.g. with a longer flight",
+                                          request_.missions[mission].name,
+                                          duration_of(request_.missions[mission].setup)));
 }
 
 std::vector<FlightResult> MissionTrial::results(const Controller& controller, std::uint32_t first,
@@ -202,7 +205,7 @@ TrialOutcome MissionTrial::fly(const Controller& controller, std::uint32_t first
         values.push_back(ended_early(of_mission[d]) || std::isnan(value) ? kInfinity : value);
       }
       outcome.limits.push_back(
-          {mission.name, limit.metric, robust(request_, std::move(values)), limit.most});
+          {mission.name, limit.metric, robust(request_, std::move(values)), limit.max});
     }
     MetricValues& means = outcome.means.emplace_back();
     for (std::size_t i = 0; i < kMetrics; ++i) {
@@ -227,18 +230,18 @@ Estimated paired_difference(const std::vector<double>& first, const std::vector<
   return {mean, mean - width, mean + width};
 }
 
-std::uint32_t least_draws(double share) {
-  // Rounding of 1 - share makes no draw more.
+std::uint32_t min_draws(double share) {
+  // Rounding of 1 - share must not add a draw.
   return static_cast<std::uint32_t>(std::ceil(2 / std::min(share, 1 - share) * (1 - 1e-12)));
 }
 
-std::uint32_t least_draws(const TrialRequest& request) {
-  return request.measure == RobustMeasure::quantile ? least_draws(request.share) : 2;
+std::uint32_t min_draws(const TrialRequest& request) {
+  return request.measure == RobustMeasure::quantile ? min_draws(request.share) : 2;
 }
 
 Estimated paired_quantile_difference(const std::vector<double>& first,
                                      const std::vector<double>& second, double share) {
-  require_pairs("paired_quantile_difference", first, second, least_draws(share));
+  require_pairs("paired_quantile_difference", first, second, min_draws(share));
   constexpr std::size_t kResamples = 4000;
   std::vector<double> a = first, b = second, differences;
   const double value = sample_quantile(b, share) - sample_quantile(a, share);

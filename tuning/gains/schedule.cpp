@@ -19,10 +19,11 @@
 namespace quadtune {
 namespace {
 
-/// Consecutive points that one thread solves in one go: a multiple of the lanes of a batch.
+/// Number of consecutive points that one thread solves at a time: a multiple of the lanes of a
+/// batch.
 constexpr Eigen::Index kRun = 8 * static_cast<Eigen::Index>(RiccatiBatch::kLanes);
 
-/// Makes the Riccati equation of a design from a plant's A and B, in memory that it owns.
+/// Computes the Riccati equation of a design from the A and B of a plant, in memory that it owns.
 class RegulatorEquation {
  public:
   RegulatorEquation(const ContinuousLti& any_plant, const LqrDesign& design)
@@ -43,7 +44,7 @@ class RegulatorEquation {
   }
   [[nodiscard]] bool continuous() const { return method_ == LqrMethod::continuous; }
 
-  /// An equation of the right sizes, with the weights that no point changes.
+  /// An equation of the right sizes, with the weights that are the same at all points.
   [[nodiscard]] RiccatiMatrices prototype() const {
     return {plant_.A, plant_.B, weights_.Q, weights_.R, weights_.N};
   }
@@ -84,7 +85,7 @@ RiccatiOptions riccati_options(const RegulatorEquation& equation) {
   return options;
 }
 
-/// One thread's: solves runs of points into a schedule that all threads share.
+/// State of one thread: solves sequences of points into a schedule that all threads share.
 class RunSolver {
  public:
   RunSolver(const Vehicle& vehicle, const LqrDesign& design, double yaw, GainSchedule& schedule)
@@ -96,10 +97,10 @@ class RunSolver {
         batch_(equation_.states(), equation_.inputs(), riccati_options(equation_)),
         problems_(RiccatiBatch::kLanes, equation_.prototype()) {
     moved_ = vehicle;
-    moved_.text.clear();  // copied for nothing otherwise
+    moved_.text.clear();  // avoids a needless copy
   }
 
-  /// Points first … last - 1.
+  /// Solves the points first … last - 1.
   void solve(Eigen::Index first, Eigen::Index last) {
     waiting_.clear();
     neighbour_ = {};
@@ -149,7 +150,7 @@ class RunSolver {
       schedule_.u0.col(point).setConstant(std::numeric_limits<double>::quiet_NaN());
       return;
     }
-    // A gain's first columns are those of the states, the others those of the integrals.
+    // The first columns of a gain belong to the states, the others to the integrals.
     schedule_.status[p] = PointStatus::solved;
     schedule_.K.col(point) = result.K.reshaped().head(schedule_.K.rows());
     schedule_.K_int.col(point) = result.K.reshaped().tail(schedule_.K_int.rows());
@@ -161,7 +162,7 @@ class RunSolver {
   double yaw_;
   GainSchedule& schedule_;
   Linearizer linearizer_;
-  TrimResult neighbour_;  // the last trim of this run
+  TrimResult neighbour_;  // the last trim of this sequence
   RegulatorEquation equation_;
   RiccatiBatch batch_;
   std::vector<RiccatiMatrices> problems_;

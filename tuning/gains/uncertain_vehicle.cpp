@@ -27,11 +27,11 @@ using internal::SlopeBounds;
 
 constexpr const char* kHoverWhere = "uncertain hover";
 
-// Below this share of its nominal value a ratio means no vehicle any more.
-constexpr double kLeastRatio = 0.05;
-constexpr double kMostScale = 100;
+// A ratio below this share of its nominal value is not realistic.
+constexpr double kMinRatio = 0.05;
+constexpr double kMaxScale = 100;
 
-// Where the parameters stand.
+// Indices of the parameters.
 enum Place : Index { kMass, kInertiaX, kInertiaY, kInertiaZ, kThrust };
 
 constexpr Index kFirstRate = 9;  // p among the 12 states
@@ -45,7 +45,7 @@ constexpr int kWrench = 4;
 void require_ratio(const char* name, const UncertainRange& range) {
   if (!(range.low > 0) || !(range.low <= 1) || !(range.high >= 1) || !std::isfinite(range.high))
     refuse(fmt::format("{} is {} … {}", name, range.low, range.high),
-           "ratios about 1, the file's value, and more than 0");
+           "a range of positive ratios that contains 1, the value in the file");
 }
 
 void require_uncertainty(const VehicleUncertainty& u) {
@@ -54,14 +54,14 @@ void require_uncertainty(const VehicleUncertainty& u) {
   require_ratio("thrust", u.thrust);
   if (!(u.delay.low >= 0) || !(u.delay.low <= u.delay.high) || !std::isfinite(u.delay.high))
     refuse(fmt::format("delay is {} … {} s", u.delay.low, u.delay.high),
-           "finite seconds in order, from 0");
+           "finite seconds with 0 <= low <= high");
   const bool none = u.lag.low == 0 && u.lag.high == 0;
   if (!none && (!(u.lag.low > 0) || !(u.lag.low <= u.lag.high) || !std::isfinite(u.lag.high)))
     refuse(fmt::format("lag is {} … {} s", u.lag.low, u.lag.high),
-           "seconds in order and more than 0, or 0 for none");
+           "finite seconds with 0 < low <= high, or 0 for no lag");
 }
 
-/// The hover of a vehicle in which roll, pitch, yaw and height do not know of one another.
+/// The hover of a vehicle in which roll, pitch, yaw and height are decoupled.
 void require_plain_hover(const Vehicle& vehicle, const TrimResult& trim) {
   if (!trim.solved()) refuse(trim.culprit, "a vehicle that can hover");
   const Rotor& first = vehicle.rotors.front();
@@ -69,24 +69,25 @@ void require_plain_hover(const Vehicle& vehicle, const TrimResult& trim) {
     if (rotor.thrust_a2 != first.thrust_a2 || rotor.thrust_a1 != first.thrust_a1 ||
         rotor.torque_d2 != first.torque_d2 || rotor.torque_d1 != first.torque_d1)
       refuse("the rotors have different curves",
-             "equal ones, because one ratio of thrust is to scale them all");
+             "equal curves, because one ratio of thrust scales them all");
   if (!(first.thrust_a2 > 0) || !(first.torque_d2 >= 0))
-    refuse("the thrust curve has no square of the speed", "one with a2 > 0 and d2 >= 0");
+    refuse("the thrust curve has no quadratic term", "a curve with a2 > 0 and d2 >= 0");
   if ((trim.u.array() - trim.u.mean()).abs().maxCoeff() > 1e-9 * trim.u.mean())
     refuse("the rotors hover at different speeds",
-           "equal ones, because their slopes are to scale alike");
+           "equal speeds, because their slopes must scale equally");
   double momentum = 0;
   for (const Rotor& rotor : vehicle.rotors) momentum += spin_sign(rotor.spin) * rotor.inertia;
   if (std::abs(momentum) > 1e-12 * first.inertia)
-    refuse("the rotors' angular momentum is not in balance",
-           "as much turning left as right, because it couples roll and pitch");
+    refuse("the angular momentum of the rotors is not balanced",
+           "a balanced one, because it couples roll and pitch otherwise");
   MatrixXd products = vehicle.inertia;
   products.diagonal().setZero();
   if (products.cwiseAbs().maxCoeff() > 0)
-    refuse("the inertia has products", "principal axes, because each moment has its own ratio");
+    refuse("the inertia matrix has off-diagonal entries",
+           "principal axes, because each moment has its own ratio");
 }
 
-/// ẋ of the 12 states of ned_convention() at a level hover, the wrench's rows left out.
+/// A of the 12 states of ned_convention() at a level hover, without the effect of the wrench.
 MatrixXd hover_dynamics(const Vehicle& vehicle, double yaw) {
   MatrixXd A = MatrixXd::Zero(12, 12);
   const double c = std::cos(yaw);
@@ -102,16 +103,16 @@ MatrixXd hover_dynamics(const Vehicle& vehicle, double yaw) {
   return A;
 }
 
-/// The law in the 12 states and the wrench about the hover.
+/// The law about the hover, in terms of the 12 states and the wrench.
 struct HoverLaw {
-  DiscreteLti law;             ///< inputs the kept states, outputs T, τx, τy, τz
+  DiscreteLti law;             ///< inputs: the kept states; outputs: T, τx, τy, τz
   std::vector<Index> kept;     ///< of the 12 states
-  std::vector<Signal> states;  ///< as the law calls them
+  std::vector<Signal> states;  ///< with the names of the law
   InputKind kind = InputKind::wrench;
   double yaw = 0;  ///< [rad]
 };
 
-/// What a change of each of the law's inputs adds to the wrench at the nominal hover.
+/// Derivative of the wrench with respect to the inputs of the law at the nominal hover.
 MatrixXd wrench_of_inputs(const Vehicle& vehicle, const FlightCondition& hover, InputKind kind) {
   if (kind == InputKind::wrench) return MatrixXd::Identity(kWrench, kWrench);
   const MatrixXd B = linearize(vehicle, hover, {"ned", kind, {}}).plant.B;
@@ -126,13 +127,13 @@ void require_hover_set_point(const StateVector<double>& x0) {
   moved.head<3>().setZero();
   moved(5) = 0;
   if (moved.cwiseAbs().maxCoeff() > 1e-8)
-    refuse("the gains are for a flight that moves or leans",
+    refuse("the gains are for a moving or tilted flight condition",
            "a hover, because elsewhere the trim's tilt follows from mass and thrust");
 }
 
 HoverLaw law_of(const Vehicle& vehicle, const Gains& gains) {
   if (!(gains.dt > 0))
-    refuse("the gains have no sample period", "one, because the loop is sampled");
+    refuse("the gains have no sample period", "a positive period, because the loop is sampled");
   const StateFeedbackSettings<double> ned = state_feedback_settings(vehicle, gains, gains.dt, {});
   require_hover_set_point(ned.x0);
   HoverLaw hover;
@@ -160,8 +161,8 @@ HoverLaw law_of(const Vehicle& vehicle, const Gains& gains) {
     hover.law.D = M * law.D(Eigen::all, hover.kept);
     return hover;
   }
-  // A law without memory is closed as `verify` closes it: u = -K x + K_int i, i⁺ = i - dt x of the
-  // integrated states.
+  // A law without memory is closed in the same way as in `verify`: u = -K x + K_int i, i⁺ = i - dt
+  // x of the integrated states.
   const auto nx = static_cast<Index>(hover.kept.size());
   hover.law.dt = gains.dt;
   hover.law.A = MatrixXd::Identity(ned.integrals, ned.integrals);
@@ -186,7 +187,7 @@ HoverLaw law_of(const CascadeGains& cascade, PidMethod method) {
   return hover;
 }
 
-/// The family itself: which number stands where, and what the parameters make of it.
+/// The loop family: the indices of the factors, and their values as functions of the parameters.
 class HoverFamily {
  public:
   HoverFamily(const Vehicle& vehicle, HoverLaw law, const VehicleUncertainty& uncertainty)
@@ -214,7 +215,7 @@ class HoverFamily {
   }
 
  private:
-  /// Numbers of the loop from the parameters; copied into the functions.
+  /// Factors of the loop from the parameters; copied into the functions.
   struct Numbers {
     HoverSlopes slopes;
     bool has_drag;
@@ -249,7 +250,7 @@ class HoverFamily {
     }
   };
 
-  /// The vehicle's own where the range holds it, else the middle.
+  /// The value of the vehicle if the range contains it, otherwise the middle.
   [[nodiscard]] double nominal_lag() const {
     const double own = slower_lag(vehicle_.rotors.front());
     const bool inside = uncertainty_.lag.low <= own && own <= uncertainty_.lag.high;
@@ -267,7 +268,7 @@ class HoverFamily {
     return all;
   }
 
-  /// Wrench to accelerations: rows of the 12 states, one column each of T, τx, τy, τz.
+  /// Wrench to accelerations: rows of the 12 states, one column for each of T, τx, τy, τz.
   [[nodiscard]] std::vector<MatrixXd> wrench_columns() const {
     std::vector<MatrixXd> columns(kWrench, MatrixXd::Zero(12, kWrench));
     columns[0](kDownSpeed, 0) = -1 / vehicle_.mass;
@@ -314,7 +315,8 @@ class HoverFamily {
     return term;
   }
 
-  /// The wrench that acts follows the commanded one: rotors of one lag are a lag of each.
+  /// The acting wrench follows the commanded one: if all rotors have the same lag, so has each
+  /// component.
   void add_lag(UncertainLoop& loop) const {
     const Index n = loop.plant.A.rows();
     PlantTerm term{"inverse lag", MatrixXd::Zero(n, n), MatrixXd::Zero(n, kWrench)};
@@ -331,21 +333,21 @@ class HoverFamily {
   }
 
   void limit_scale(LoopFamily& family) const {
-    family.greatest_scale = kMostScale;
-    family.greatest_scale_reason = "the search goes no further";
+    family.max_scale = kMaxScale;
+    family.max_scale_reason = "the search is limited to this";
     const auto limit = [&](double scale, const std::string& why) {
-      if (!(scale < family.greatest_scale)) return;
-      family.greatest_scale = scale;
-      family.greatest_scale_reason = why;
+      if (!(scale < family.max_scale)) return;
+      family.max_scale = scale;
+      family.max_scale_reason = why;
     };
     for (const UncertainParameter& p : family.parameters)
       if (p.name != "delay" && p.low < p.nominal)
-        limit((1 - kLeastRatio) * p.nominal / (p.nominal - p.low),
-              fmt::format("{} is then {:g} of nominal", p.name, kLeastRatio));
+        limit((1 - kMinRatio) * p.nominal / (p.nominal - p.low),
+              fmt::format("{} is then {:g} of nominal", p.name, kMinRatio));
     const UncertainParameter& delay = family.parameters.back();
     if (delay.high > delay.low)
-      limit((0.999 * kMostDelayPeriods * law_.law.dt - delay.low) / (delay.high - delay.low),
-            fmt::format("the delay is then {} periods", kMostDelayPeriods));
+      limit((0.999 * kMaxDelayPeriods * law_.law.dt - delay.low) / (delay.high - delay.low),
+            fmt::format("the delay is then {} periods", kMaxDelayPeriods));
     limit_by_hover(family);
   }
 
@@ -356,11 +358,11 @@ class HoverFamily {
       const std::string heavy = cannot_hover(vehicle_, box.high(kMass), box.low(kThrust));
       return heavy.empty() ? cannot_hover(vehicle_, box.low(kMass), box.high(kThrust)) : heavy;
     };
-    if (why_not(family.greatest_scale).empty()) return;
+    if (why_not(family.max_scale).empty()) return;
     const auto [low, high] = internal::border([&](double scale) { return why_not(scale).empty(); },
-                                              0.0, family.greatest_scale, 1e-12);
-    family.greatest_scale = std::max(low, 1e-9);
-    family.greatest_scale_reason = why_not(high);
+                                              0.0, family.max_scale, 1e-12);
+    family.max_scale = std::max(low, 1e-9);
+    family.max_scale_reason = why_not(high);
   }
 
   const Vehicle& vehicle_;

@@ -18,14 +18,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A direction that changes the gain by less than this, relative, for an e-fold of a weight is not
-/// seen: that is what rounding leaves of a derivative.
+/// A direction counts as not determined if it changes the gain by less than this, relative, for an
+/// e-fold of a weight: smaller derivatives are rounding errors.
 constexpr double kSeen = 1e-9;
-/// Half width of an interval's logarithms from which on a weight is hardly seen: a factor of ten.
+/// Half width of the interval of a logarithm from which a weight is hardly seen: a factor of ten.
 constexpr double kHardly = std::numbers::ln10;
 
-/// Rows that span the same space with as many zeros as elimination makes: each has a 1 where all
-/// others have 0.
+/// Rows that span the same space in reduced echelon form: each has a 1 where all others have 0.
 MatrixXd eliminated(MatrixXd rows) {
   for (Index i = 0; i < rows.rows(); ++i) {
     Index pivot_row = i, pivot = 0;
@@ -38,17 +37,17 @@ MatrixXd eliminated(MatrixXd rows) {
   return rows;
 }
 
-/// A direction of the weights' logarithms along which the gain stays, in words.
-std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
+/// Describes a direction of the logarithms of the weights along which the gain is constant.
+std::string describe(const VectorXd& direction, const std::vector<Index>& main,
                      const std::vector<std::string>& names) {
   const auto name = [&](Index g) { return names[static_cast<std::size_t>(g)]; };
-  if (main.size() == 1) return fmt::format("{}: the gain does not tell it", name(main[0]));
+  if (main.size() == 1) return fmt::format("{}: the gain does not determine it", name(main[0]));
   const double a = direction(main[0]), b = direction(main[1]);
   if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 1e-3 * std::abs(a))
-    return fmt::format("only the {} of {} {} {} is seen", a * b > 0 ? "ratio" : "product",
+    return fmt::format("only the {} of {} {} {} is determined", a * b > 0 ? "ratio" : "product",
                        name(main[0]), a * b > 0 ? "to" : "and", name(main[1]));
-  // Either sign is the same direction: rounding shall not choose the words.
-  if (a < 0) return in_words(-direction, main, names);
+  // Both signs are the same direction; rounding must not determine the text.
+  if (a < 0) return describe(-direction, main, names);
   std::vector<std::string> up, down;
   for (const Index g : main) {
     if (std::abs(direction(g) - 1) < 1e-3) up.push_back(name(g));
@@ -64,7 +63,7 @@ std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
   return fmt::format("the direction {}", internal::joined(words, " "));
 }
 
-/// Marks who takes part in directions that are not seen, and names those.
+/// Marks the weights in directions that the gain does not determine, and describes the directions.
 void name_unseen(const MatrixXd& directions, const std::vector<std::string>& names,
                  std::vector<MatchedWeight>& groups, std::vector<std::string>& unseen) {
   const MatrixXd rows = eliminated(directions);
@@ -75,22 +74,22 @@ void name_unseen(const MatrixXd& directions, const std::vector<std::string>& nam
     for (const Index g : main) {
       MatchedWeight& group = groups[static_cast<std::size_t>(g)];
       group.verdict = main.size() == 1 ? WeightVerdict::not_seen : WeightVerdict::combination;
-      if (main.size() > 1) continue;  // its interval is that with the direction held
+      if (main.size() > 1) continue;  // its interval is for a fixed position along the direction
       group.low = 0;
       group.high = std::numeric_limits<double>::infinity();
     }
-    unseen.push_back(in_words(row.transpose(), main, names));
+    unseen.push_back(describe(row.transpose(), main, names));
   }
 }
 
-/// The directions of the weights beside the factor common to all, of which the gain knows nothing.
+/// The directions of the weights other than the common factor, which the gain does not determine.
 struct Directions {
-  VectorXd squared_width;  ///< of each free weight's interval, in logarithms
-  MatrixXd seen;           ///< orthonormal: what they do to the scaled differences
-  MatrixXd not_seen;       ///< a row each, over all groups
+  VectorXd squared_width;  ///< of the interval of each free weight, in logarithms
+  MatrixXd seen;           ///< orthonormal effects of the directions on the scaled differences
+  MatrixXd not_seen;       ///< one direction per row, over all groups
 };
 
-/// @param free  groups whose weight is more than 0
+/// @param free  groups whose weight is greater than 0
 Directions directions_of(const WeightKnowledge& of, const std::vector<Index>& free) {
   const auto n = static_cast<Index>(free.size());
   Directions result{VectorXd::Zero(n), MatrixXd(of.by_weights.rows(), 0),
@@ -104,7 +103,7 @@ Directions directions_of(const WeightKnowledge& of, const std::vector<Index>& fr
   const VectorXd share = of.share_of_R(free);
   for (Index k = 0; k < n - 1; ++k) {
     VectorXd direction = beside * svd.matrixV().col(k);
-    direction.array() -= share.dot(direction);  // the mean of log R stays
+    direction.array() -= share.dot(direction);  // keep the mean of log R
     const double sigma = k < svd.singularValues().size() ? svd.singularValues()(k) : 0;
     if (sigma > kSeen) {
       result.squared_width += (of.tolerance / sigma * direction).cwiseAbs2();
@@ -143,7 +142,7 @@ void describe_weights(const WeightKnowledge& of, std::vector<MatchedWeight>& gro
     const bool fixed = of.fixed[static_cast<std::size_t>(g)];
     group.value = group.low = 0;
     group.verdict = fixed ? WeightVerdict::fixed : WeightVerdict::at_zero;
-    // What the other weights cannot make up for.
+    // The part that the other weights cannot compensate.
     VectorXd alone = of.by_weights.col(g);
     alone -= (directions.seen * (directions.seen.transpose() * alone)).eval();
     group.high = fixed ? 0 : of.tolerance / alone.norm();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a gain tells of the weights that were found for it, and in words what it does not.
+/// How well a gain determines the weights that were computed for it, with descriptions of what it
+/// does not determine.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,19 +11,20 @@
 
 namespace quadtune::internal {
 
-/// What is known of each group of equal weights.
+/// The inputs of describe_weights() for each group of equal weights.
 struct WeightKnowledge {
   std::vector<std::string> names;  ///< of the groups: "Q(x)", "Q(x) = Q(y)"
   Eigen::VectorXd values;          ///< of the weights, ≥ 0
-  Eigen::VectorXd share_of_R;      ///< part of R's geometric mean; sums to 1
-  std::vector<bool> fixed;         ///< 0 as it came
-  Eigen::MatrixXd by_logarithms;   ///< derivative of the scaled differences
-  Eigen::MatrixXd by_weights;      ///< the same by the weight itself
-  double tolerance = 0;            ///< on the scaled differences
+  Eigen::VectorXd share_of_R;      ///< share in the geometric mean of R; sums to 1
+  std::vector<bool> fixed;         ///< 0 in the start, and held there
+  /// Derivative of the scaled differences with respect to the logarithms
+  Eigen::MatrixXd by_logarithms;
+  Eigen::MatrixXd by_weights;  ///< the same with respect to the weight itself
+  double tolerance = 0;        ///< on the scaled differences
 };
 
-/// Fills low, high and verdict of each group, the geometric mean of R held; the directions that are
-/// not seen are told in words.
+/// Computes low, high and verdict of each group with the geometric mean of R held constant, and
+/// describes the directions that the gain does not determine.
 /// @param groups  one for each of knowledge.names; value is filled, too
 void describe_weights(const WeightKnowledge& knowledge, std::vector<MatchedWeight>& groups,
                       std::vector<std::string>& unseen);

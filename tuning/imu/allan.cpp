@@ -15,7 +15,7 @@ namespace {
 using Index = Eigen::Index;
 using Phase = Eigen::Ref<const Eigen::VectorXd>;
 
-/// Phases that the first term of a kind reaches over, less one, for means over m.
+/// Number of phases that the first term of a kind uses, minus one, for means over m.
 std::size_t reach(AllanKind kind, std::size_t m) {
   switch (kind) {
     case AllanKind::modified:
@@ -25,13 +25,13 @@ std::size_t reach(AllanKind kind, std::size_t m) {
     case AllanKind::overlapping_hadamard:
       return 3 * m;
     case AllanKind::total:
-      return std::max<std::size_t>(m, 2);  // a reflection needs as many phases as it makes
+      return std::max<std::size_t>(m, 2);  // a reflection needs as many phases as it adds
     default:
       return 2 * m;
   }
 }
 
-/// A mean of squares. Squares of one sign in long double lose nothing that shows.
+/// A mean of squares. Sums of positive terms in long double lose no significant accuracy.
 class MeanSquare {
  public:
   void add(double value) {
@@ -67,7 +67,8 @@ AllanPoint hadamard(const Phase& x, std::size_t factor, double dt, bool overlapp
   return mean.point(factor, dt, 6);
 }
 
-// As allan(), each term a mean over m neighbouring ones, which moves on by one difference.
+// As allan(), but each term is a mean over m adjacent second differences, updated by one difference
+// at a time.
 AllanPoint modified(const Phase& x, std::size_t factor, double dt) {
   const auto m = static_cast<Index>(factor);
   const auto difference = [&](Index i) { return (x(i + 2 * m) - x(i + m)) - (x(i + m) - x(i)); };
@@ -82,7 +83,7 @@ AllanPoint modified(const Phase& x, std::size_t factor, double dt) {
   return mean.point(factor, dt, 2);
 }
 
-// As allan() about every inner phase, on the phase turned about its ends where it ends.
+// As allan() around every inner phase, on the phase extended by reflection about its ends.
 AllanPoint total(const Phase& x, std::size_t factor, double dt) {
   const auto m = static_cast<Index>(factor);
   const Index n = x.size();
@@ -138,10 +139,10 @@ std::vector<AllanPoint> points_of(const Phase& phase, double dt,
   points.reserve(factors.size());
   for (const std::size_t m : factors) {
     if (m < 1 || m > last || reach(kind, m) > last)
-      throw InvalidInput("allan",
-                         fmt::format("means over {} samples were asked of {} samples, expected at "
-                                     "least 1 and at most so many that one difference is left",
-                                     m, last));
+      throw InvalidInput(
+          "allan", fmt::format("means over {} samples were requested of {} samples; expected at "
+                               "least 1 and few enough to leave one difference",
+                               m, last));
     points.push_back(point_of(phase, m, dt, kind));
   }
   return points;
@@ -178,10 +179,10 @@ std::vector<AllanPoint> allan_deviation_of_phase(const Phase& phase, double dt,
 std::vector<AllanPoint> allan_deviation(const Eigen::Ref<const Eigen::VectorXd>& rate, double dt,
                                         const std::vector<std::size_t>& factors, AllanKind kind) {
   check(rate, "rate", dt);
-  // A constant rate is a straight line in the phase, which every kind is blind to. Without it the
-  // phase starts and ends at zero and stays as small as the noise lets it, so that its rounding to
-  // double, 1e-16 of the greatest phase, is far below its differences. The sums are in extended
-  // precision, where 1e9 of them lose less than that.
+  // A constant rate is a straight line in the phase, which does not affect any kind of deviation.
+  // Without it the phase starts and ends at zero and stays as small as the noise allows, so that
+  // its rounding error as a double, 1e-16 of the largest phase, is far below its differences. The
+  // sums are in extended precision, where 1e9 terms lose less than that.
   long double sum = 0;
   for (const double value : rate) sum += value;
   const auto mean =

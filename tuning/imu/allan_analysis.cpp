@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The noises of a record: a generalized least-squares fit of Q², N², B², K² to Allan variances.
+// Estimates the noise coefficients of a rate by a generalized least-squares fit of Q², N², B², K²
+// to Allan variances.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -21,12 +22,13 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
 constexpr double kFloorOfBias = 0.664;  // √(2 ln 2/π), IEEE 952, C.1.3
-constexpr std::size_t kLeastMeans = 5;  // independent means behind a point of the fit
-// Of a variance: what real noises may differ from power laws. The least that will do is taken.
+constexpr std::size_t kMinMeans = 5;    // minimum number of independent means of a point of the fit
+// Allowed relative errors of a variance, because real noises deviate from power laws. The smallest
+// sufficient one is used.
 constexpr std::array<double, 3> kModelErrors = {0.01, 0.03, 0.1};
-constexpr double kWorthATerm = 6.635;   // what a noise must take off chi-squared: 99 %
-constexpr double kMisfit = 0.999;       // quantile of chi-squared beyond which a fit is refused
-constexpr double kMisfitOfSome = 0.95;  // likewise of all that is tried after that
+constexpr double kWorthATerm = 6.635;   // minimum reduction of chi-squared by a noise: 99 %
+constexpr double kMisfit = 0.999;       // quantile of chi-squared above which a fit is rejected
+constexpr double kMisfitOfSome = 0.95;  // likewise for all later attempts
 constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
 constexpr double kOneSided = 1.6449;  // standard deviations of a 95 % bound
 
@@ -40,7 +42,7 @@ std::array<double, 2> interval(double variance, double edf) {
           std::sqrt(variance * edf / chi_squared_quantile(edf, kLowQuantile))};
 }
 
-/// Allan variances at the octaves with the parts of their covariances.
+/// Allan variances at the octaves with the terms of their covariances.
 struct Octaves {
   std::vector<AllanPoint> points;
   std::vector<AllanCovariance> covariances;  ///< row by row
@@ -60,7 +62,7 @@ struct Octaves {
 Octaves octaves_of(const Eigen::Ref<const Vector>& rate, double dt) {
   const auto samples = static_cast<std::size_t>(rate.size());
   std::vector<std::size_t> factors = allan_factors(samples, AllanTaus::octaves);
-  std::erase_if(factors, [&](std::size_t m) { return m * kLeastMeans > samples; });
+  std::erase_if(factors, [&](std::size_t m) { return m * kMinMeans > samples; });
   Octaves octaves{allan_deviation(rate, dt, factors), {}};
   octaves.covariances.reserve(factors.size() * factors.size());
   for (const std::size_t m1 : factors)
@@ -69,7 +71,7 @@ Octaves octaves_of(const Eigen::Ref<const Vector>& rate, double dt) {
   return octaves;
 }
 
-/// A fit of some of the noises to the octaves from one on.
+/// A fit of some of the noises to the octaves from a given one on.
 struct Fit {
   NoiseVariances noises{};
   NoiseVariances errors{};  ///< standard errors
@@ -78,8 +80,8 @@ struct Fit {
   int degrees = 0;
 };
 
-/// Generalized least squares of the noises `in`, for a covariance given by its factor. Noises may
-/// come out negative.
+/// Generalized least squares of the noises `in`, for a covariance given by its factor. The noise
+/// variances may be negative.
 Fit least_squares(const Octaves& octaves, Index from, const Eigen::LLT<Matrix>& C,
                   const std::array<bool, kAllanNoises>& in) {
   std::vector<std::size_t> terms;
@@ -113,11 +115,12 @@ Fit least_squares(const Octaves& octaves, Index from, const Eigen::LLT<Matrix>& 
   return fit;
 }
 
-/// The choice of noises, none negative, that describes most for what it takes.
+/// Selects the set of noises, none negative, with the best fit: each noise must reduce chi-squared
+/// by kWorthATerm.
 Fit best_choice(const Octaves& octaves, Index from, const Matrix& covariance) {
   const Eigen::LLT<Matrix> C(covariance);
   Fit best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (unsigned choice = 1; choice < (1U << kAllanNoises); ++choice) {
     std::array<bool, kAllanNoises> in{};
     int count = 0;
@@ -127,8 +130,8 @@ Fit best_choice(const Octaves& octaves, Index from, const Matrix& covariance) {
     bool allowed = std::isfinite(fit.chi_squared);
     for (std::size_t k = 0; k < kAllanNoises; ++k)
       allowed = allowed && (!in[k] || fit.noises[k] > 0);
-    if (allowed && fit.chi_squared + kWorthATerm * count < least) {
-      least = fit.chi_squared + kWorthATerm * count;
+    if (allowed && fit.chi_squared + kWorthATerm * count < min) {
+      min = fit.chi_squared + kWorthATerm * count;
       best = fit;
     }
   }
@@ -143,7 +146,7 @@ Matrix with_model_error(Matrix C, const Octaves& octaves, Index from, double err
   return C;
 }
 
-/// White noise of each point's own size: the weights to begin with.
+/// Covariance of white noise with the size of each point: the initial weights.
 Matrix first_covariance(const Octaves& octaves, Index from, std::size_t samples, double error) {
   const Index rows = octaves.size() - from;
   Matrix C = Matrix::Zero(rows, rows);
@@ -160,11 +163,12 @@ Matrix covariance_from(const Octaves& octaves, Index from, const NoiseVariances&
   return octaves.covariance(noises).bottomRightCorner(rows, rows);
 }
 
-/// Which noises there are: the weights follow the fit until it stays.
+/// Selects the noises; the weights are recomputed from the fit until the selection no longer
+/// changes.
 Fit choose_noises(const Octaves& octaves, Index from, std::size_t samples, double error) {
   Fit fit = best_choice(octaves, from, first_covariance(octaves, from, samples, error));
-  constexpr int kMostRounds = 8;
-  for (int round = 0; round < kMostRounds && std::isfinite(fit.chi_squared); ++round) {
+  constexpr int kMaxRounds = 8;
+  for (int round = 0; round < kMaxRounds && std::isfinite(fit.chi_squared); ++round) {
     const Fit next = best_choice(
         octaves, from,
         with_model_error(covariance_from(octaves, from, fit.noises), octaves, from, error));
@@ -188,20 +192,20 @@ double model_variance(const NoiseVariances& noises, double tau) {
   return sum;
 }
 
-/// Whether white noise makes the curve in the first octaves of a fit: what a low-pass filter has
-/// shaped before can be left out then, and then alone.
+/// Whether white noise dominates the first octaves of a fit. Only then may the fit omit earlier
+/// octaves, which a low-pass filter shaped.
 bool begins_white(const Octaves& octaves, Index from, const Fit& fit) {
-  constexpr Index kLeast = 3;
+  constexpr Index kMin = 3;
   const auto white = static_cast<std::size_t>(AllanNoise::white);
-  for (Index i = from; i < from + kLeast; ++i) {
+  for (Index i = from; i < from + kMin; ++i) {
     const double tau = octaves.points[static_cast<std::size_t>(i)].tau;
     if (fit.noises[white] / tau < 0.5 * model_variance(fit.noises, tau)) return false;
   }
   return true;
 }
 
-/// The fit of the most octaves that the noises describe; filters shape the first few of many
-/// sensors. Without one the fit of all.
+/// The fit to the largest number of octaves that the noises describe, since filters shape the first
+/// few octaves of many sensors. If there is none, the fit to all octaves.
 struct Described {
   Fit fit;
   Index from = 0;
@@ -210,13 +214,13 @@ struct Described {
 };
 
 Described describe(const Octaves& octaves, std::size_t samples) {
-  constexpr Index kLeastPoints = 4;
+  constexpr Index kMinPoints = 4;
   Fit all;
   for (const double error : kModelErrors) {
     all = choose_noises(octaves, 0, samples, error);
     if (acceptable(all, error == kModelErrors.front() ? kMisfit : kMisfitOfSome))
       return {all, 0, true, error};
-    const Index last = std::min(octaves.size() - kLeastPoints, octaves.size() / 2);
+    const Index last = std::min(octaves.size() - kMinPoints, octaves.size() / 2);
     for (Index from = 1; from <= last; ++from) {
       const Fit fit = choose_noises(octaves, from, samples, error);
       if (acceptable(fit, kMisfitOfSome) && begins_white(octaves, from, fit))
@@ -226,7 +230,8 @@ Described describe(const Octaves& octaves, std::size_t samples) {
   return {all, 0, false, kModelErrors.back()};
 }
 
-/// Values and errors without the allowance for the model, which is not an error of the record.
+/// Recomputes values and errors without the allowance for model errors, which is not an error of
+/// the record.
 void sharpen(const Octaves& octaves, Described& described) {
   Fit& fit = described.fit;
   for (int round = 0; round < 3; ++round) {
@@ -238,23 +243,23 @@ void sharpen(const Octaves& octaves, Described& described) {
     fit = next;
   }
   if (acceptable(fit) || fit.degrees < 1) return;
-  // The noises are no exact power laws: what they miss widens the intervals [Birge 1932].
+  // The noises are not exact power laws, so the misfit widens the intervals [Birge 1932].
   const double ratio = std::sqrt(fit.chi_squared / fit.degrees);
   for (double& error : fit.errors) error *= ratio;
 }
 
-/// The least coefficient that this record could not miss: 95 %.
+/// The smallest coefficient that this record would reveal with 95 % probability.
 double bound(const Octaves& octaves, const Described& described, std::size_t term) {
   std::array<bool, kAllanNoises> in = described.fit.in;
   in[term] = true;
   const Eigen::LLT<Matrix> C(covariance_from(octaves, described.from, described.fit.noises));
   if (C.info() != Eigen::Success) return 0;
   const Fit fit = least_squares(octaves, described.from, C, in);
-  const double most = std::max(fit.noises[term], 0.0) + kOneSided * fit.errors[term];
-  return std::isfinite(most) ? std::sqrt(most) : 0;
+  const double max = std::max(fit.noises[term], 0.0) + kOneSided * fit.errors[term];
+  return std::isfinite(max) ? std::sqrt(max) : 0;
 }
 
-/// @param absence  why a curve may not show this noise, with the ends of tau in braces
+/// @param absence  why the curve does not show this noise, with the ends of tau in braces
 AllanReading read(const Octaves& octaves, const Described& described, AllanNoise noise,
                   const std::string& absence) {
   const auto term = static_cast<std::size_t>(noise);
@@ -270,7 +275,7 @@ AllanReading read(const Octaves& octaves, const Described& described, AllanNoise
   }
   if (!described.explained) {
     reading = {};
-    reading.reason = "the curve is not the sum of noises, so none can be read off it";
+    reading.reason = "the curve is not a sum of noises, so none can be estimated from it";
     return reading;
   }
   if (!reading.seen) {
@@ -301,44 +306,45 @@ AllanCurvePoint with_interval(const AllanPoint& point, const Fit& fit, std::size
   return result;
 }
 
-/// The least deviation / 0.664, if the curve has a floor within the record.
+/// The minimum deviation / 0.664, if the curve has a floor within the record.
 AllanReading read_floor(const Octaves& octaves, const Described& described, std::size_t samples,
                         double dt) {
-  // The least of points that scatter lies too low, so those of few means stand back.
+  // The minimum of scattered points is biased low, so points with few means are excluded.
   constexpr std::size_t kMeansOfAFloor = 16;
   const auto end =
       std::find_if(octaves.points.begin() + 1, octaves.points.end(),
                    [&](const AllanPoint& point) { return point.m * kMeansOfAFloor > samples; });
-  const auto least = std::min_element(
+  const auto min = std::min_element(
       octaves.points.begin(), end,
       [](const AllanPoint& a, const AllanPoint& b) { return a.deviation < b.deviation; });
-  const AllanCurvePoint at = with_interval(*least, described.fit, samples, dt);
-  const NoiseVariances unit = allan_variance_of_noises(least->tau);
+  const AllanCurvePoint at = with_interval(*min, described.fit, samples, dt);
+  const NoiseVariances unit = allan_variance_of_noises(min->tau);
   const NoiseVariances& noises = described.fit.noises;
   const auto flicker = static_cast<std::size_t>(AllanNoise::flicker);
   const auto walk = static_cast<std::size_t>(AllanNoise::rate_random_walk);
   const double falling = noises[0] * unit[0] + noises[1] * unit[1];
   AllanReading reading;
-  if (least == octaves.points.begin()) {
+  if (min == octaves.points.begin()) {
     reading.reason = "the curve rises from the first tau on, so it has no floor";
     return reading;
   }
-  reading.tau_from = reading.tau_to = least->tau;
-  if (falling > 0.8 * model_variance(noises, least->tau)) {
+  reading.tau_from = reading.tau_to = min->tau;
+  if (falling > 0.8 * model_variance(noises, min->tau)) {
     reading.tau_from = reading.tau_to = 0;
-    reading.reason = fmt::format(
-        "too short: the curve still falls at {:.4g} s, the longest tau that can be told",
-        std::prev(end)->tau);
+    reading.reason =
+        fmt::format("too short: the curve still falls at {:.4g} s, the longest usable tau",
+                    std::prev(end)->tau);
     reading.at_most = at.high / kFloorOfBias;
     return reading;
   }
   reading.seen = true;
-  reading.value = least->deviation / kFloorOfBias;
+  reading.value = min->deviation / kFloorOfBias;
   reading.low = at.low / kFloorOfBias;
   reading.high = at.high / kFloorOfBias;
-  if (noises[flicker] * unit[flicker] < 0.5 * model_variance(noises, least->tau))
-    reading.reason = noises[walk] > 0 ? "the crossing of noise density and random walk, not flicker"
-                                      : "a bound from above: the curve is not flat there";
+  if (noises[flicker] * unit[flicker] < 0.5 * model_variance(noises, min->tau))
+    reading.reason = noises[walk] > 0
+                         ? "the intersection of noise density and random walk, not flicker"
+                         : "an upper bound: the curve is not flat there";
   return reading;
 }
 
@@ -347,22 +353,23 @@ AllanReading read_floor(const Octaves& octaves, const Described& described, std:
 AllanAnalysis analyse_allan(const Eigen::Ref<const Vector>& rate, double dt,
                             std::vector<std::size_t> factors) {
   const auto samples = static_cast<std::size_t>(rate.size());
-  if (samples < kLeastAllanSamples)
-    throw InvalidInput("allan", fmt::format("{} samples came, expected at least {}, because fewer "
-                                            "leave no slope to read",
-                                            samples, kLeastAllanSamples));
+  if (samples < kMinAllanSamples)
+    throw InvalidInput("allan",
+                       fmt::format("there are {} samples; expected at least {}, because fewer "
+                                   "do not determine a slope",
+                                   samples, kMinAllanSamples));
   if (factors.empty()) factors = allan_factors(samples, AllanTaus::octaves);
   const std::vector<AllanPoint> points = allan_deviation(rate, dt, factors);
   const Octaves octaves = octaves_of(rate, dt);
   for (const AllanPoint& point : octaves.points)
     if (!(point.deviation > 0))
       throw InvalidInput("allan",
-                         fmt::format("the deviation at {} s is 0, expected noise, because a rate "
-                                     "that never changes says nothing of its sensor",
+                         fmt::format("the deviation at {} s is 0; expected noise, because a rate "
+                                     "that never changes contains no information about its sensor",
                                      point.tau));
   Described described = describe(octaves, samples);
   if (!std::isfinite(described.fit.chi_squared))
-    throw InvalidInput("allan", "no noise fits the curve, expected a finite one");
+    throw InvalidInput("allan", "no noise fits the curve; expected finite noise coefficients");
   AllanAnalysis result;
   result.explained = described.explained;
   result.model_error = described.model_error;
@@ -381,10 +388,9 @@ AllanAnalysis analyse_allan(const Eigen::Ref<const Vector>& rate, double dt,
   result.noise_density =
       read(octaves, described, AllanNoise::white,
            fmt::format("no slope of -1/2 between {:.4g} and {:.4g} s", first, last));
-  result.random_walk = read(
-      octaves, described, AllanNoise::rate_random_walk,
-      fmt::format("too short: no slope of +1/2 up to {:.4g} s, the longest tau that can be told",
-                  last));
+  result.random_walk =
+      read(octaves, described, AllanNoise::rate_random_walk,
+           fmt::format("too short: no slope of +1/2 up to {:.4g} s, the longest usable tau", last));
   result.bias_instability = read_floor(octaves, described, samples, dt);
   return result;
 }

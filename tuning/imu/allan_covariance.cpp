@@ -12,13 +12,14 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::array<double, 3> kSecondDifference = {1, -2, 1};
 
 /// Generalized autocovariances of the phase at a lag t, each up to polynomials that second
-/// differences are blind to [Greenhall and Riley 2003]; that of quantization is a pulse at t = 0.
+/// differences remove [Greenhall and Riley 2003]; that of quantization is a pulse at t = 0.
 NoiseVariances phase_autocovariance(double t, double dt) {
   const double a = std::abs(t) * dt;
   return {0, -a / 2, t == 0 ? 0 : a * a * std::log(std::abs(t)) / (2 * kPi), a * a * a / 12};
 }
 
-/// Covariance of the second difference over m1 at one place with that over m2, `lag` samples later.
+/// Covariance of the second difference over m1 at one sample with that over m2, `lag` samples
+/// later.
 NoiseVariances difference_covariance(double m1, double m2, double lag, double dt) {
   NoiseVariances r{};
   for (int a = 0; a < 3; ++a)
@@ -43,7 +44,7 @@ AllanCovariance::AllanCovariance(std::size_t samples, std::size_t m1, std::size_
   const auto n = static_cast<double>(samples) + 1;
   const auto f1 = static_cast<double>(m1), f2 = static_cast<double>(m2);
   const double terms1 = n - 2 * f1, terms2 = n - 2 * f2;
-  // Pairs of terms that are `lag` apart.
+  // Number of pairs of terms that are `lag` apart.
   const auto pairs = [&](double lag) {
     return std::max(0.0, std::min(terms1, terms2 - lag) - std::max(0.0, -lag));
   };
@@ -54,7 +55,7 @@ AllanCovariance::AllanCovariance(std::size_t samples, std::size_t m1, std::size_
         if ((p == 0 || q == 0) == pulses_alone)
           products_[p][q] += weight * pairs(lag) * r[p] * r[q];
   };
-  // All but the pulses are smooth between these lags, and away from them fall off fast.
+  // All terms except the pulses are smooth between these lags, and decay fast away from them.
   std::vector<double> corners;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) corners.push_back(a * f1 - b * f2);

@@ -13,10 +13,11 @@ namespace quadtune {
 
 using NoiseVariances = std::array<double, kAllanNoises>;  ///< Q², N², B², K²
 
-/// E σ²(tau) for a coefficient of 1: 3/tau², 1/tau, 2 ln 2/π, tau/3.
+/// Expected σ²(tau) of each noise for a coefficient of 1: 3/tau², 1/tau, 2 ln 2/π, tau/3.
 [[nodiscard]] NoiseVariances allan_variance_of_noises(double tau);
 
-/// The covariance of two overlapping Allan variances, a quadratic form in the noises' variances.
+/// The covariance of two overlapping Allan variances as a quadratic form in the variances of the
+/// noises.
 class AllanCovariance {
  public:
   /// @param samples  of the rate;  @param m1, m2  samples in a mean;  @param dt  [s]
@@ -25,7 +26,7 @@ class AllanCovariance {
   [[nodiscard]] double at(const NoiseVariances& noises) const;
 
  private:
-  NoiseVariances products_[kAllanNoises]{};  ///< of pairs of noises
+  NoiseVariances products_[kAllanNoises]{};  ///< of the pairs of noises
 };
 
 }  // namespace quadtune

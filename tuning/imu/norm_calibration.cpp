@@ -23,15 +23,16 @@ using Index = Eigen::Index;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr double kOutlier = 5;        // robust standard deviations
-constexpr double kMostScatter = 0.2;  // of the radii of a sphere before calibration
+constexpr double kOutlier = 5;       // robust standard deviations
+constexpr double kMaxScatter = 0.2;  // maximum, of the radii before calibration, relative
 constexpr double kNormalByMad = 1.4826;
-constexpr Index kSpareForOutliers = 5;  // more poses than numbers before any is refused
+// number of poses in excess of the parameters before any is rejected
+constexpr Index kSpareForOutliers = 5;
 constexpr std::array<const char*, kNormParameters> kNames = {
     "scale x", "cross-axis xy", "cross-axis xz", "scale y", "cross-axis yz",
     "scale z", "bias x",        "bias y",        "bias z",  "temperature coefficient z"};
 
-/// |direction| - 1 of one pose.
+/// Residual |direction| - 1 of one pose.
 struct NormResidual {
   Vector3d scaled;
   double warmth;
@@ -42,8 +43,8 @@ struct NormResidual {
   }
 };
 
-/// Centre and size of the sphere through the poses: |a|² = 2 c a + k, the least c where they leave
-/// it open.
+/// Centre and size of the sphere through the poses: |a|² = 2 c a + k, with the smallest c if the
+/// poses do not determine it.
 NormScaling sphere(const NormProblem& problem) {
   NormScaling scaling;
   const Vector3d mean = problem.raw.rowwise().mean();
@@ -55,13 +56,13 @@ NormScaling sphere(const NormProblem& problem) {
     A.col(3).setOnes();
     const Vector rhs = a.colwise().squaredNorm().transpose() / (spread * spread);
     Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-    decomposition.setThreshold(0.05);  // a sphere's centre beyond the poses' plane is not believed
+    decomposition.setThreshold(0.05);  // ignore a centre outside the plane of the poses
     const Vector solution = decomposition.compute(A).solve(rhs);
     const Vector3d centre = spread * solution.head<3>();
     const Eigen::RowVectorXd radii = (a.colwise() - centre).colwise().norm();
     const double scatter = std::sqrt((radii.array() - radii.mean()).square().mean());
-    // The noise of poses that are all one is no sphere.
-    if (decomposition.rank() == 4 && scatter < kMostScatter * radii.mean())
+    // If all poses are equal, their noise does not determine a sphere.
+    if (decomposition.rank() == 4 && scatter < kMaxScatter * radii.mean())
       scaling.centre = mean + centre;
   }
   const double size = (problem.raw.colwise() - scaling.centre).colwise().norm().mean();
@@ -74,11 +75,11 @@ NormScaling sphere(const NormProblem& problem) {
   return scaling;
 }
 
-/// The poses that are in use with their scaled numbers.
+/// The poses in use, in scaled units.
 struct Poses {
   std::vector<NormResidual> all;
   std::vector<char> used;
-  int parameters = kNormParameters;  ///< that are fitted, the first of all
+  int parameters = kNormParameters;  ///< number of fitted parameters, the first ones
 
   [[nodiscard]] Index count() const { return std::count(used.begin(), used.end(), 1); }
 };
@@ -106,7 +107,7 @@ bool fit(const Poses& poses, double loss_scale, Vector& parameters) {
   return summary.IsSolutionUsable() && parameters.allFinite();
 }
 
-/// The norm does not tell the signs of the rows of U: the scales are positive.
+/// The norm does not determine the signs of the rows of U; choose positive scales.
 void make_positive(Vector& p) {
   if (p(0) < 0) p.segment<3>(0) *= -1;
   if (p(3) < 0) p.segment<2>(3) *= -1;
@@ -129,13 +130,13 @@ double value(const NormResidual& pose, const Vector& parameters) {
   return residual;
 }
 
-/// Leaves out poses whose norm is far from the others', at most what the fit can spare.
+/// Rejects poses whose norm is far from that of the others, at most as many as the fit can spare.
 bool fit_and_refuse(Poses& poses, Vector& parameters) {
   if (!fit(poses, 0, parameters)) return false;
   const Index numbers = poses.parameters;
   if (poses.count() < numbers + kSpareForOutliers) return true;
   double scale = 0;
-  for (int round = 0; round < 3; ++round) {  // the scale follows what is left of the residuals
+  for (int round = 0; round < 3; ++round) {  // the scale is recomputed from the remaining residuals
     std::vector<double> sizes;
     for (const NormResidual& pose : poses.all) sizes.push_back(std::abs(value(pose, parameters)));
     const auto middle = sizes.begin() + std::ssize(sizes) / 2;
@@ -158,10 +159,10 @@ bool fit_and_refuse(Poses& poses, Vector& parameters) {
 struct Pose {
   Vector3d direction;
   std::string name;
-  int faces;  ///< that share it: 1 for "x up", 2 for an edge, 3 for a corner
+  int faces;  ///< number of faces that share it: 1 for "x up", 2 for an edge, 3 for a corner
 };
 
-/// Faces, edges and corners of a cube: poses that a person can hold.
+/// Faces, edges and corners of a cube: poses in which a person can hold the device.
 std::vector<Pose> poses_to_hold() {
   std::vector<Pose> poses;
   for (int faces = 1; faces <= 3; ++faces)  // the simple ones first
@@ -182,33 +183,32 @@ std::vector<Pose> poses_to_hold() {
   return poses;
 }
 
-/// Poses to add, each the one that tells most of what is least known so far: it makes the
-/// determinant of the information greatest. A simple pose goes before one that is but little
-/// better.
+/// Poses to add. Each is the one that maximizes the determinant of the information. A simple pose
+/// is preferred to one that is only slightly better.
 std::vector<std::string> missing_poses(const Matrix& J, int parameters) {
-  constexpr int kMost = 9;
-  constexpr double kEnough = 0.15;   // least singular value of 9 poses held well
-  constexpr double kNothing = 1e-3;  // singular value of what is not known at all
-  constexpr double kSimple = 2;      // times as much must a pose tell that is harder to hold
+  constexpr int kMax = 9;
+  constexpr double kEnough = 0.15;   // smallest singular value of 9 well-chosen poses
+  constexpr double kNothing = 1e-3;  // singular value of an undetermined direction
+  constexpr double kSimple = 2;      // factor by which a pose that is harder to hold must be better
   const Vector ideal = (Vector(kNormParameters) << 1, 0, 0, 1, 0, 1, 0, 0, 0, 0).finished();
   std::vector<Pose> all = poses_to_hold();
   std::vector<std::string> names;
   Matrix information = J.transpose() * J;
   information.diagonal().array() += kNothing * kNothing;
-  for (int i = 0; i < kMost; ++i) {
+  for (int i = 0; i < kMax; ++i) {
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
     if (eigen.eigenvalues()(0) > kEnough * kEnough) break;
     const Matrix inverse = eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
                            eigen.eigenvectors().transpose();
     auto best = all.end();
-    double most = 0;
+    double max = 0;
     Eigen::RowVectorXd row;
     for (auto pose = all.begin(); pose != all.end(); ++pose) {
       const Eigen::RowVectorXd candidate =
           sensitivity({pose->direction, 0}, ideal).head(parameters);
       const double told = candidate * inverse * candidate.transpose();
-      if (told > most * (best == all.end() || best->faces == pose->faces ? 1.001 : kSimple)) {
-        most = told;
+      if (told > max * (best == all.end() || best->faces == pose->faces ? 1.001 : kSimple)) {
+        max = told;
         best = pose;
         row = candidate;
       }
@@ -221,12 +221,12 @@ std::vector<std::string> missing_poses(const Matrix& J, int parameters) {
   return names;
 }
 
-/// Names of the numbers that a direction of the parameters moves.
+/// Names of the parameters that change along a direction.
 void name_unseen(const Vector& direction, std::vector<std::string>& names) {
-  const double most = direction.cwiseAbs().maxCoeff();
+  const double max = direction.cwiseAbs().maxCoeff();
   for (Index k = 0; k < direction.size(); ++k) {
     const std::string name = kNames[static_cast<std::size_t>(k)];
-    if (std::abs(direction(k)) >= 0.4 * most &&
+    if (std::abs(direction(k)) >= 0.4 * max &&
         std::find(names.begin(), names.end(), name) == names.end())
       names.push_back(name);
   }
@@ -235,14 +235,13 @@ void name_unseen(const Vector& direction, std::vector<std::string>& names) {
 void refuse(SensorCalibration& calibration, const Matrix& J, int parameters) {
   calibration.status = CalibrationStatus::not_observable;
   calibration.missing = missing_poses(J, parameters);
-  std::string text =
-      J.rows() <= parameters
-          ? fmt::format(
-                "{} poses came, expected at least {}, because {} numbers are fitted and one "
-                "more pose must check them",
-                J.rows(), parameters + 1, parameters)
-          : fmt::format("{} poses do not tell {}", J.rows(),
-                        internal::joined(calibration.unseen, ", "));
+  std::string text = J.rows() <= parameters
+                         ? fmt::format(
+                               "there are {} poses; expected at least {}, because {} parameters "
+                               "are fitted and one more pose is needed to check them",
+                               J.rows(), parameters + 1, parameters)
+                         : fmt::format("{} poses do not determine {}", J.rows(),
+                                       internal::joined(calibration.unseen, ", "));
   if (!calibration.missing.empty())
     text += fmt::format("; missing poses: {}", internal::joined(calibration.missing, ", "));
   calibration.culprit = text;
@@ -296,7 +295,8 @@ NormSolution norm_calibration(const NormProblem& problem) {
 
   make_positive(result.parameters);
 
-  // What the poses tell is asked where the fit began: along what they do not tell it has wandered.
+  // The information of the poses is evaluated at the start of the fit, because along undetermined
+  // directions the result is arbitrary.
   Matrix J(poses.count(), numbers), J_start(poses.count(), numbers);
   double before = 0, after = 0;
   for (std::size_t i = 0, row = 0; i < poses.all.size(); ++i) {
@@ -329,7 +329,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
     const Vector& singular = svd.singularValues();
     for (Index k = 0; k < numbers; ++k)
       if (!(singular(k) > 1e-6 * singular(0)) ||
-          calibration.quantile * result.noise / singular(k) > problem.greatest_error)
+          calibration.quantile * result.noise / singular(k) > problem.max_error)
         name_unseen(svd.matrixV().col(k), calibration.unseen);
     if (calibration.unseen.empty()) continue;
     refuse(calibration, J_start, numbers);
@@ -337,7 +337,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
   }
   if (!converged) {
     calibration.status = CalibrationStatus::no_match;
-    calibration.culprit = "the norms of the poses fit no ellipsoid";
+    calibration.culprit = "the norms of the poses do not fit an ellipsoid";
     return result;
   }
   const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeThinV);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Calibration of a sensor of a vector of known norm.
+/// Calibration of a sensor that measures a vector of known norm.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +9,17 @@
 
 namespace quadtune {
 
-/// What norm_calibration() fits: |M (raw - b + d e (t - t0))| = norm.
+/// Input of norm_calibration(), which fits |M (raw - b + d e (t - t0))| = norm.
 struct NormProblem {
   Eigen::Matrix3Xd raw;           ///< (3 × poses)
   Eigen::VectorXd temperature;    ///< (poses) [°C]; used where with_temperature
   double norm = 1;                ///< [unit]
-  bool with_temperature = false;  ///< of z alone, which is what the flight program takes
-  double greatest_error = 0.05;
+  bool with_temperature = false;  ///< for z only, as in the flight program
+  double max_error = 0.05;
 };
 
-/// The same in numbers of the size of 1: U = [θ0 θ1 θ2; 0 θ3 θ4; 0 0 θ5], β = θ6..8, κ = θ9;
-/// the direction is U ((raw - centre)/size - β + κ e_z (t - t0)/span).
+/// The same with parameters of order 1: U = [θ0 θ1 θ2; 0 θ3 θ4; 0 0 θ5], β = θ6..8, κ = θ9; the
+/// direction is U ((raw - centre)/size - β + κ e_z (t - t0)/span).
 struct NormScaling {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [raw]
   double size = 1;                                   ///< [raw]
@@ -39,7 +39,7 @@ Eigen::Matrix<Scalar, 3, 1> norm_direction(const Scalar* p, const Eigen::Vector3
   return {p[0] * x + p[1] * y + p[2] * z, p[3] * y + p[4] * z, p[5] * z};
 }
 
-/// A solution with what later stages need of it.
+/// A solution with the intermediate results that later stages need.
 struct NormSolution {
   SensorCalibration calibration;
   NormScaling scaling;
@@ -50,7 +50,7 @@ struct NormSolution {
 
 [[nodiscard]] NormSolution norm_calibration(const NormProblem& problem);
 
-/// T and K of M, T with a unit diagonal.
+/// Factors M = T K⁻¹, T with a unit diagonal.
 void split(SensorCalibration& calibration);
 
 }  // namespace quadtune

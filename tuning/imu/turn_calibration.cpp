@@ -24,18 +24,18 @@ using Index = Eigen::Index;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr std::size_t kLeastTurns = 6;
+constexpr std::size_t kMinTurns = 6;
 constexpr double kTurnOutlier = 5;  // robust standard deviations
 constexpr double kMedianOfRayleigh = 1.17741;
-constexpr double kMostMismatch = 0.3;  // [rad] rms, beyond which the turns are not understood
+constexpr double kMaxMismatch = 0.3;  // [rad] rms, above which the turns do not match
 
-/// Everything that is fitted, in numbers of the size of 1.
+/// All fitted parameters, scaled to order 1.
 struct Unknowns {
   std::array<double, 9> gyro = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< M / scale, row by row
-  std::array<double, 3> bias{};                              ///< over the noise
+  std::array<double, 3> bias{};                              ///< relative to the noise
   std::array<double, 3> drift{};
   Vector acc;
-  std::vector<std::array<double, 3>> up;  ///< a pose
+  std::vector<std::array<double, 3>> up;  ///< one per pose
 };
 
 class Fitter {
@@ -62,21 +62,21 @@ class Fitter {
   const TurnProblem& problem_;
   std::vector<TurnSamples> samples_;  ///< of the turns in use
   std::vector<std::size_t> first_;    ///< their first poses
-  std::vector<std::size_t> index_;    ///< their places in the problem
+  std::vector<std::size_t> index_;    ///< their indices in the problem
   std::vector<std::size_t> refused_;
   Vector3d bias_ = Vector3d::Zero();
-  double bias_unit_ = 1;  ///< scatter of the means of still poses [raw]
+  double bias_unit_ = 1;  ///< standard deviation of the means of stationary poses [raw]
   double sigma_up_ = 1e-9;
-  double factor_ = 1;  ///< times the noise of a turn that the gyroscope's own would make
+  double factor_ = 1;  ///< noise of a turn relative to that from the noise of the gyroscope
   double redundancy_ = 0;
   Unknowns x_;
-  std::vector<std::array<double, 3>> seen_up_;  ///< as the accelerometer alone says
+  std::vector<std::array<double, 3>> seen_up_;  ///< from the accelerometer alone
 };
 
 Fitter::Fitter(const TurnProblem& problem) : problem_(problem) {
   sigma_up_ = std::max(problem.accelerometer.noise, 1e-9);
   x_.acc = problem.accelerometer.parameters;
-  for (const StillPose& pose : problem.poses) {
+  for (const StationaryPose& pose : problem.poses) {
     const Vector3d direction =
         norm_direction(x_.acc.data(), problem.accelerometer.scaling.scaled(pose.accelerometer),
                        (pose.temperature - problem.accelerometer.scaling.t0) /
@@ -109,14 +109,15 @@ Fitter::Fitter(const TurnProblem& problem) : problem_(problem) {
   }
 }
 
-/// Bias, its drift with temperature and the scatter of what is left, from the still poses.
+/// Computes the bias, its drift with temperature and the standard deviation of the residuals from
+/// the stationary poses.
 void Fitter::scale_rest() {
   const NormScaling& scaling = problem_.accelerometer.scaling;
   const auto n = static_cast<Index>(problem_.poses.size());
   Matrix A = Matrix::Ones(n, problem_.with_temperature ? 2 : 1);
   Matrix y(n, 3);
   for (Index i = 0; i < n; ++i) {
-    const StillPose& pose = problem_.poses[static_cast<std::size_t>(i)];
+    const StationaryPose& pose = problem_.poses[static_cast<std::size_t>(i)];
     y.row(i) = pose.gyroscope.transpose();
     if (problem_.with_temperature) A(i, 1) = -(pose.temperature - scaling.t0) / scaling.span;
   }
@@ -129,7 +130,7 @@ void Fitter::scale_rest() {
     for (Index i = 0; i < 3; ++i) x_.drift[static_cast<std::size_t>(i)] = fit(1, i) / bias_unit_;
 }
 
-/// Gravity as it was before a turn, turned as the gyroscope says, less gravity after it.
+/// Gravity before a turn, rotated by the integrated gyroscope, minus gravity after it.
 Vector3d Fitter::mismatch(std::size_t turn, const std::vector<std::array<double, 3>>& up) const {
   const Eigen::Map<const Vector3d> u(up[first_[turn]].data()), next(up[first_[turn] + 1].data());
   return turned<double>(samples_[turn], x_.gyro.data(), x_.bias.data(), x_.drift.data(), u) - next;
@@ -142,16 +143,17 @@ double Fitter::rms_angle() const {
   return std::sqrt(sum / double(samples_.size()));
 }
 
-/// One scale for all axes that turns gravity as it was seen to turn. A turn about an axis that does
-/// not move gravity at all tells nothing, so no turn's angle is less than gravity's.
+/// Estimates one scale for all axes from the angles by which gravity turns. A turn about the axis
+/// of gravity itself does not move gravity and contains no information; the angle of a turn is
+/// never smaller than that of gravity.
 bool Fitter::guess_scale() {
-  constexpr Index kMostSamples = 20000;
+  constexpr Index kMaxSamples = 20000;
   constexpr int kSteps = 80;
   double most_turned = 0, least_scale = 0;
   std::vector<double> integrals, angles;
   std::vector<std::size_t> looked_at;
   Index samples = 0;
-  for (std::size_t i = 0; i < samples_.size() && samples < kMostSamples; ++i) {
+  for (std::size_t i = 0; i < samples_.size() && samples < kMaxSamples; ++i) {
     const TurnSamples& turn = samples_[i];
     Vector3d sum = Vector3d::Zero();
     for (Index k = 1; k < turn.t.size(); ++k)
@@ -167,7 +169,7 @@ bool Fitter::guess_scale() {
     if (integrals[i] > 0.3 * most_turned)
       least_scale = std::max(least_scale, angles[i] / integrals[i]);
   if (!(least_scale > 0)) return false;
-  double least = std::numeric_limits<double>::infinity(), best = 0;
+  double min = std::numeric_limits<double>::infinity(), best = 0;
   for (const double sign : {1.0, -1.0})
     for (int k = 0; k < kSteps; ++k) {
       const double scale = sign * least_scale * 0.5 * std::pow(8.0, double(k) / kSteps);
@@ -176,8 +178,8 @@ bool Fitter::guess_scale() {
         samples_[i].scale = scale;
         sum += mismatch(i, seen_up_).squaredNorm();
       }
-      if (sum < least) {
-        least = sum;
+      if (sum < min) {
+        min = sum;
         best = scale;
       }
     }
@@ -189,7 +191,7 @@ double Fitter::turn_sigma(std::size_t turn) const {
   const TurnSamples& samples = samples_[turn];
   const double length = samples.t(samples.t.size() - 1) - samples.t(0);
   const double dt = length / double(samples.t.size() - 1);
-  // White noise over n samples of dt turns by √n dt σ.
+  // The integral of white noise over n samples of dt is √n dt σ.
   return std::max(factor_ * std::abs(samples.scale) * problem_.noise * std::sqrt(length * dt),
                   1e-9);
 }
@@ -198,7 +200,7 @@ void Fitter::build(ceres::Problem& problem) {
   const NormScaling& scaling = problem_.accelerometer.scaling;
   for (std::size_t i = 0; i < problem_.poses.size(); ++i) {
     if (!problem_.accelerometer.used[i]) continue;
-    const StillPose& pose = problem_.poses[i];
+    const StationaryPose& pose = problem_.poses[i];
     const double warmth =
         problem_.with_temperature ? (pose.temperature - scaling.t0) / scaling.span : 0;
     problem.AddResidualBlock(
@@ -227,13 +229,14 @@ void Fitter::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 50;
-  options.function_tolerance = 1e-8;  // of a sum of squares of about the number of poses
+  options.function_tolerance = 1e-8;  // relative to a sum of squares of about the number of poses
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 }
 
-/// Weighted Jacobian, gyroscope first, turns last; the residuals with it.
+/// Computes the weighted Jacobian (columns of the gyroscope first, rows of the turns last) and the
+/// residuals.
 Matrix Fitter::jacobian(Vector& residuals) {
   ceres::Problem problem;
   build(problem);
@@ -256,7 +259,8 @@ Matrix Fitter::jacobian(Vector& residuals) {
   return J;
 }
 
-/// A hint of each of the nine numbers, so weak that it shows only where nothing else speaks.
+/// Weight of a prior of each of the nine parameters, so weak that it matters only where there is no
+/// other information.
 constexpr double kHint = 0.01;
 
 Matrix covariance_of(const Matrix& J) {
@@ -265,7 +269,8 @@ Matrix covariance_of(const Matrix& J) {
   return H.ldlt().solve(Matrix::Identity(H.rows(), H.cols()));
 }
 
-/// Sets the noise of turns to what their residuals say, counting what the fit took of them.
+/// Estimates the noise of turns from their residuals, corrected for the degrees of freedom of the
+/// fit.
 void Fitter::weigh_turns() {
   Vector residuals;
   const Matrix J = jacobian(residuals);
@@ -273,22 +278,22 @@ void Fitter::weigh_turns() {
   const Matrix turns = J.bottomRows(rows);
   const Matrix covariance = covariance_of(J);
   const double taken = (turns * covariance).cwiseProduct(turns).sum();
-  // The third of each turn's residuals, along gravity, is none: both ends have norm 1.
+  // The third residual of each turn, along gravity, carries no information: both ends have norm 1.
   redundancy_ = std::max(1.0, 2.0 * double(samples_.size()) - taken);
   factor_ *= std::sqrt(residuals.tail(rows).squaredNorm() / redundancy_);
 }
 
 void Fitter::leave_out_outliers() {
-  if (samples_.size() < kLeastTurns + 4) return;
+  if (samples_.size() < kMinTurns + 4) return;
   std::vector<double> sizes;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     sizes.push_back(mismatch(i, seen_up_).norm() / std::hypot(turn_sigma(i), sigma_up_));
   std::vector<double> sorted = sizes;
   const auto middle = sorted.begin() + std::ssize(sorted) / 2;
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double most = kTurnOutlier * *middle / kMedianOfRayleigh;
+  const double max = kTurnOutlier * *middle / kMedianOfRayleigh;
   for (std::size_t i = samples_.size(); i-- > 0;)
-    if (sizes[i] > most && samples_.size() > kLeastTurns) {
+    if (sizes[i] > max && samples_.size() > kMinTurns) {
       const auto at = static_cast<std::ptrdiff_t>(i);
       refused_.push_back(index_[i]);
       samples_.erase(samples_.begin() + at);
@@ -298,11 +303,12 @@ void Fitter::leave_out_outliers() {
   std::sort(refused_.begin(), refused_.end());
 }
 
-/// Degrees of freedom behind the nine numbers' errors, by Welch and Satterthwaite: part of each
-/// variance comes of the poses, whose noise the accelerometer's fit tells, and part of the turns.
+/// Degrees of freedom of the errors of the nine parameters, by Welch and Satterthwaite: one part of
+/// each variance comes from the poses, whose noise is known from the fit of the accelerometer, and
+/// the other from the turns.
 double Fitter::degrees_of(const Matrix& J, const Matrix& covariance) const {
   const Index turns = 3 * std::ssize(samples_);
-  const Matrix gains = J * covariance.leftCols(9);  // by which the errors of rows enter
+  const Matrix gains = J * covariance.leftCols(9);  // sensitivity to the errors of the rows
   const Eigen::ArrayXd of_turns = gains.bottomRows(turns).colwise().squaredNorm().transpose();
   const Eigen::ArrayXd of_poses =
       gains.topRows(J.rows() - turns).colwise().squaredNorm().transpose();
@@ -317,7 +323,7 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance.topLeftCorner(9, 9));
   std::array<bool, 3> axis{};
   for (Index k = 0; k < 9; ++k) {
-    if (result.quantile * std::sqrt(eigen.eigenvalues()(k)) <= problem_.greatest_error) continue;
+    if (result.quantile * std::sqrt(eigen.eigenvalues()(k)) <= problem_.max_error) continue;
     const Vector v = eigen.eigenvectors().col(k);
     for (int i = 0; i < 9; ++i) {
       if (std::abs(v(i)) < 0.4 * v.cwiseAbs().maxCoeff()) continue;
@@ -326,7 +332,8 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
                                    : fmt::format("cross-axis {}{}", "xyz"[i / 3], "xyz"[i % 3]);
       if (std::find(result.unseen.begin(), result.unseen.end(), name) == result.unseen.end())
         result.unseen.push_back(name);
-      axis[static_cast<std::size_t>(i % 3)] = true;  // a column is the answer to turns about it
+      // a column is determined by turns about its axis
+      axis[static_cast<std::size_t>(i % 3)] = true;
     }
   }
   for (std::size_t i = 0; i < 3; ++i)
@@ -334,7 +341,7 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
   if (result.unseen.empty()) return;
   result.status = CalibrationStatus::not_observable;
   result.culprit =
-      fmt::format("{} turns do not tell {}; missing: {}", samples_.size(),
+      fmt::format("{} turns do not determine {}; missing: {}", samples_.size(),
                   internal::joined(result.unseen, ", "), internal::joined(result.missing, ", "));
 }
 
@@ -370,16 +377,16 @@ SensorCalibration Fitter::run() {
   const auto too_few = [&] {
     result.status = CalibrationStatus::not_observable;
     result.culprit = fmt::format(
-        "{} turns between poses came, expected at least {}, because each "
-        "tells 2 of 9 numbers",
-        samples_.size(), kLeastTurns);
+        "there are {} turns between poses; expected at least {}, because each "
+        "determines 2 of 9 parameters",
+        samples_.size(), kMinTurns);
     result.missing = {"turns about x, y and z, each with that axis level"};
     return result;
   };
-  if (samples_.size() < kLeastTurns) return too_few();
+  if (samples_.size() < kMinTurns) return too_few();
   if (!guess_scale()) {
     result.status = CalibrationStatus::not_observable;
-    result.culprit = "no turn moves gravity, expected turns about level axes";
+    result.culprit = "no turn moves gravity; expected turns about level axes";
     result.missing = {"turns about x, y and z, each with that axis level"};
     return result;
   }
@@ -395,12 +402,12 @@ SensorCalibration Fitter::run() {
   result.residual_after = rms_angle();
   result.used = samples_.size();
   result.refused = refused_;
-  if (!(result.residual_after < kMostMismatch)) {
+  if (!(result.residual_after < kMaxMismatch)) {
     result.status = CalibrationStatus::no_match;
     result.culprit = fmt::format(
-        "gravity turned as the gyroscope says is {:.2g} rad off (rms), "
+        "gravity rotated by the gyroscope deviates by {:.2g} rad (rms); "
         "expected less than {}; are its axes those of the accelerometer?",
-        result.residual_after, kMostMismatch);
+        result.residual_after, kMaxMismatch);
     return result;
   }
   finish(result);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Calibration of a gyroscope by turns from pose to pose, whose gravity is known.
+/// Calibration of a gyroscope by turns between poses with known gravity.
 #pragma once
 
 #include <vector>
@@ -12,22 +12,22 @@ namespace quadtune {
 /// A stretch of a log between two poses.
 struct Turn {
   const ImuLog* log = nullptr;
-  std::size_t first = 0;  ///< pose before it, of all poses
+  std::size_t first = 0;  ///< index of the pose before it, among all poses
   std::size_t begin = 0;  ///< first sample
   std::size_t end = 0;    ///< one past the last
 };
 
 struct TurnProblem {
-  std::vector<StillPose> poses;
-  std::vector<Turn> turns;  ///< each between a pose and the next
+  std::vector<StationaryPose> poses;
+  std::vector<Turn> turns;  ///< each between two consecutive poses
   NormSolution accelerometer;
-  double noise = 0;  ///< of a gyroscope's sample, raw
+  double noise = 0;  ///< of a sample of the gyroscope [raw]
   bool with_temperature = false;
-  double greatest_error = 0.05;
+  double max_error = 0.05;
 };
 
-/// Fits the gyroscope's 9 + 3 numbers together with the accelerometer's and the poses' verticals,
-/// so that the errors of all count in the gyroscope's.
+/// Fits the 9 + 3 parameters of the gyroscope together with those of the accelerometer and with the
+/// vertical of each pose, so that the errors of all of them contribute to those of the gyroscope.
 [[nodiscard]] SensorCalibration turn_calibration(const TurnProblem& problem);
 
 }  // namespace quadtune

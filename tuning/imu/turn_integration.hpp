@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The rotation that a gyroscope's samples make.
+/// Integrates the samples of a gyroscope to a rotation.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,12 +7,12 @@
 
 namespace quadtune {
 
-/// Samples of one turn, less a first guess of the bias.
+/// Samples of one turn, minus an initial estimate of the bias.
 struct TurnSamples {
   Eigen::VectorXd t;       ///< (n) [s]
-  Eigen::Matrix3Xd raw;    ///< (3 × n) less the bias
-  Eigen::VectorXd warmth;  ///< (n) temperature less t0 over the span
-  double unit = 1;         ///< of bias and drift [raw]
+  Eigen::Matrix3Xd raw;    ///< (3 × n) minus the bias
+  Eigen::VectorXd warmth;  ///< (n) (temperature - t0) / span
+  double unit = 1;         ///< unit of bias and drift [raw]
   double scale = 1;        ///< [rad/s per raw]
 };
 
@@ -28,9 +28,9 @@ Eigen::Matrix<Scalar, 3, 1> rate_at(const TurnSamples& turn, const Scalar* G, co
   return rate;
 }
 
-/// Takes a fixed vector's components before the turn to those after it. The attitude's equation
-/// q' = q ⊗ (0, w)/2 is integrated by the classical Runge-Kutta method with the rates in a straight
-/// line between samples [Tedaldi, Pretto, Menegatti 2014].
+/// Computes the rotation that maps the components of a fixed vector before the turn to those after
+/// it. The attitude equation q' = q ⊗ (0, w)/2 is integrated by the classical Runge-Kutta method
+/// with rates that are linear between samples [Tedaldi, Pretto, Menegatti 2014].
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, 3> rotation(const TurnSamples& turn, const Scalar* G, const Scalar* bias,
                                      const Scalar* drift) {
@@ -58,7 +58,8 @@ Eigen::Matrix<Scalar, 3, 3> rotation(const TurnSamples& turn, const Scalar* G, c
   using std::sqrt;
   q /= sqrt(q.squaredNorm());
   const Scalar w = q(0), x = q(1), y = q(2), z = q(3);
-  Eigen::Matrix<Scalar, 3, 3> R;  // the transpose of body after to body before
+  // transpose of the rotation from the body axes after to those before
+  Eigen::Matrix<Scalar, 3, 3> R;
   R << 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
       2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
       2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the calibration of a gyroscope makes small, as Ceres takes it.
+/// Residuals of the calibration of a gyroscope, as cost functions of Ceres.
 #pragma once
 
 #include <ceres/ceres.h>
@@ -12,7 +12,7 @@
 
 namespace quadtune {
 
-/// (U (raw) - u) / σ of a pose: the accelerometer says where up is.
+/// (U (raw) - u) / σ of a pose: the accelerometer measures the vertical.
 struct PoseResidual {
   Eigen::Vector3d scaled;
   double warmth;
@@ -25,7 +25,7 @@ struct PoseResidual {
   }
 };
 
-/// The mean of a still gyroscope is its bias.
+/// The mean of a stationary gyroscope is its bias.
 struct RestResidual {
   Eigen::Vector3d scaled;
   double warmth;
@@ -37,8 +37,8 @@ struct RestResidual {
   }
 };
 
-/// (u turned as the gyroscope says - the next u) / σ. The rotation is integrated once for its 15
-/// numbers, not for all 21.
+/// (u rotated by the gyroscope - next u) / σ. The rotation is integrated once for its 15
+/// parameters, not for all 21.
 class TurnResidual final : public ceres::SizedCostFunction<3, 9, 3, 3, 3, 3> {
  public:
   TurnResidual(const TurnSamples* samples, double weight) : samples_(samples), weight_(weight) {}

@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Index;
 
-/// Of a number, what a filter's sums leave of its last digits.
+/// Relative rounding error of the sums of a filter.
 constexpr double kRounding = 1e-12;
 
-/// Whether nothing but the measurements keeps R(i, i) from zero.
+/// Whether only the measurements prevent R(i, i) from becoming zero.
 bool is_free(const FilterModel& model, const CovarianceModel& R, Index i) {
   if (R.fixed(i, i) > 0) return false;
   const auto to_be_found = [&](int parameter) {
@@ -59,8 +59,8 @@ std::string constant_measurement(const FilterModel& model,
       if (changes || count < 2) continue;
       const Signal& output = sensor.outputs[static_cast<std::size_t>(i)];
       return fmt::format(
-          "{}: {} is constant over the fitted part: all {} measurements are {:.6g}{}{}, expected "
-          "ones that change because their noise is to be found from them",
+          "{}: {} is constant over the fitted part: all {} measurements are {:.6g}{}{}; expected "
+          "varying ones, because their noise is estimated from them",
           sensor.name, output.name, count, first, output.unit.empty() ? "" : " ", output.unit);
     }
   return "";
@@ -71,8 +71,9 @@ namespace {
 /// The longest stretch of equal measurements of one output.
 struct Stretch {
   Index length = 0;
-  double value = 0, from = 0, to = 0;  ///< to: the last one's time [s]
-  Index count = 0, repeats = 0;        ///< measurements of the output; equal neighbours of all
+  double value = 0, from = 0, to = 0;  ///< to: time of the last one [s]
+  /// Number of measurements of the output, and of equal consecutive ones
+  Index count = 0, repeats = 0;
 };
 
 Stretch longest_stretch(const std::vector<FilterRecord>& records, Index row) {
@@ -120,8 +121,8 @@ std::vector<std::string> hanging_measurements(const FilterModel& model,
       const Stretch stretch = longest_stretch(records, row++);
       if (!is_no_chance(stretch)) continue;
       result.push_back(fmt::format(
-          "{}: {} is {:.6g}{}{} in {} of {} measurements, one after the other from {:.6g} s to "
-          "{:.6g} s: a sensor that hangs, or that rests and is read in steps larger than its noise",
+          "{}: {} is {:.6g}{}{} in {} of {} measurements, consecutively from {:.6g} s to "
+          "{:.6g} s: the sensor is stuck, or stationary with a resolution coarser than its noise",
           sensor.name, output.name, stretch.value, output.unit.empty() ? "" : " ", output.unit,
           stretch.length, stretch.count, stretch.from, stretch.to));
     }
@@ -134,21 +135,21 @@ std::string exact_measurement(const FilterModel& model, const std::vector<Filter
   for (const FilterSensor& sensor : model.sensors)
     for (Index i = 0; i < sensor.C.rows(); ++i, ++row) {
       if (!is_free(model, sensor.R, i)) continue;
-      double most = 0, size = 0;
+      double max = 0, size = 0;
       Index count = 0;
       for (std::size_t r = 0; r < runs.size(); ++r)
         for (Index k = 0; k < runs[r].innovation.cols(); ++k) {
           const double e = runs[r].innovation(row, k);
           if (std::isnan(e)) continue;
           ++count;
-          most = std::max(most, std::abs(e));
+          max = std::max(max, std::abs(e));
           size = std::max(size, std::abs(records[r].y(row, k)));
         }
-      if (count < 2 || most > kRounding * size) continue;
+      if (count < 2 || max > kRounding * size) continue;
       return fmt::format(
-          "{}: the model predicts all {} measurements of {} to {:.2g}, which is rounding, expected "
-          "ones with noise because it is to be found from them",
-          sensor.name, count, sensor.outputs[static_cast<std::size_t>(i)].name, most);
+          "{}: the model predicts all {} measurements of {} to {:.2g}, which is rounding; expected "
+          "ones with noise, because it is estimated from them",
+          sensor.name, count, sensor.outputs[static_cast<std::size_t>(i)].name, max);
     }
   return "";
 }

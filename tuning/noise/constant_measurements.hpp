@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measurements that never change, or as the model says to the last digit: no noise can be found
-/// from them.
+/// Detection of measurements that are constant, or that the model predicts exactly: their noise
+/// cannot be estimated.
 #pragma once
 
 #include <string>
@@ -12,26 +12,27 @@
 
 namespace quadtune::internal {
 
-/// Of the outputs whose variance is to be found from the records alone, one of which all
-/// measurements are the same number: its variance would run to zero, and with it often the
-/// likelihood to infinity.
+/// Detects an output whose variance is estimated from the records alone and whose measurements are
+/// all equal: its variance would converge to zero, and the likelihood often to infinity.
 /// @param records  not linearized
-/// @return         a sentence about it; "" where there is none
+/// @return         a message about the first such output; "" if there is none
 [[nodiscard]] std::string constant_measurement(const FilterModel& model,
                                                const std::vector<FilterRecord>& records);
 
-/// Of these outputs one that the filter predicts to rounding, all of it: then both variances run to
-/// zero, and what is found is the rounding's.
+/// Detects such an output if the filter predicts all its measurements up to rounding: the variances
+/// of process and measurement noise would both converge to zero, and the estimate would be
+/// determined by rounding.
 /// @param runs  of the records
+/// @return      a message about the first such output; "" if there is none
 [[nodiscard]] std::string exact_measurement(const FilterModel& model,
                                             const std::vector<FilterRecord>& records,
                                             const std::vector<FilterRun>& runs);
 
-/// Outputs that stay the same number for long although they change otherwise, as a sensor does that
-/// hangs: for 50 measurements and one in twenty, and longer than equal neighbours follow each other
-/// elsewhere but once in a thousand logs.
+/// Detects outputs that are constant for long although they change otherwise, like those of a
+/// sensor that is stuck: for at least 50 measurements and one in twenty, and for longer than equal
+/// consecutive measurements occur elsewhere with a probability of one in a thousand logs.
 /// @param records  not linearized
-/// @return         a sentence about each
+/// @return         one message for each such output
 [[nodiscard]] std::vector<std::string> hanging_measurements(
     const FilterModel& model, const std::vector<FilterRecord>& records);
 

@@ -17,13 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A direction of the free parameters along which nothing changes, in words.
+/// Describes a direction of the free parameters along which the likelihood is constant.
 void name_direction(const VectorXd& direction, const std::vector<int>& free,
                     std::vector<FittedParameter>& parameters, std::vector<std::string>& unseen) {
   std::vector<Index> main;
-  const double most = direction.cwiseAbs().maxCoeff();
+  const double max = direction.cwiseAbs().maxCoeff();
   for (Index q = 0; q < direction.size(); ++q)
-    if (std::abs(direction(q)) > 0.3 * most) main.push_back(q);
+    if (std::abs(direction(q)) > 0.3 * max) main.push_back(q);
   const auto parameter = [&](Index q) -> FittedParameter& {
     return parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(q)])];
   };
@@ -31,21 +31,22 @@ void name_direction(const VectorXd& direction, const std::vector<int>& free,
     parameter(q).verdict =
         main.size() == 1 ? ParameterVerdict::not_seen : ParameterVerdict::combination;
   if (main.size() == 1) {
-    unseen.push_back(fmt::format("{}: the measurements do not tell it", parameter(main[0]).name));
+    unseen.push_back(
+        fmt::format("{}: the measurements do not determine it", parameter(main[0]).name));
     return;
   }
   const double a = direction(main[0]), b = direction(main[1]);
-  if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 0.2 * most) {
-    unseen.push_back(fmt::format("only the {} of {} {} {} is seen", a * b > 0 ? "ratio" : "product",
-                                 parameter(main[0]).name, a * b > 0 ? "to" : "and",
-                                 parameter(main[1]).name));
+  if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 0.2 * max) {
+    unseen.push_back(fmt::format("only the {} of {} {} {} is determined",
+                                 a * b > 0 ? "ratio" : "product", parameter(main[0]).name,
+                                 a * b > 0 ? "to" : "and", parameter(main[1]).name));
     return;
   }
   std::vector<std::string> words;
   words.reserve(main.size());
   for (const Index q : main)
     words.push_back(fmt::format("{:+.2f} log {}", direction(q), parameter(q).name));
-  unseen.push_back(fmt::format("not seen: {}", internal::joined(words, " ")));
+  unseen.push_back(fmt::format("not determined: {}", internal::joined(words, " ")));
 }
 
 }  // namespace
@@ -100,10 +101,10 @@ void describe_seen(const MatrixXd& information, const std::vector<int>& free,
   }
 }
 
-double edge_of_loss(const std::function<double(double)>& loss, double most, double centre, int side,
+double edge_of_loss(const std::function<double(double)>& loss, double max, double centre, int side,
                     double step) {
-  const auto over = [&](double value) { return loss(value) - most; };
-  double inside = centre, outside = centre, before = -most, after = before;
+  const auto over = [&](double value) { return loss(value) - max; };
+  double inside = centre, outside = centre, before = -max, after = before;
   for (int tries = 0; tries < 40; ++tries) {
     outside = inside + side * step;
     after = over(outside);

@@ -26,7 +26,7 @@ using internal::NoiseObjective;
 using internal::search;
 using internal::SearchResult;
 
-/// Gains that a first guess is worth.
+/// Number of passes of autocovariance least squares for the initial guess.
 constexpr int kGuessPasses = 3;
 
 void check(const NoiseFitOptions& options) {
@@ -66,15 +66,15 @@ class Fit {
   }
 
  private:
-  /// Who waits hears of each evaluation; called by any thread.
+  /// Reports the progress after each evaluation; called by any thread.
   void tell(double value) {
     if (!options_.progress) return;
     const std::lock_guard lock(telling_);
-    if (told_ == 0 || value > greatest_) greatest_ = value;
-    options_.progress(++told_, greatest_);
+    if (told_ == 0 || value > max_) max_ = value;
+    options_.progress(++told_, max_);
   }
 
-  /// With the best that there was, and nothing of how well it is known.
+  /// Ends with the best point so far, without its uncertainty.
   void end_early() {
     fit_.status = NoiseFitStatus::interrupted;
     fit_.theta = start_of(model_);
@@ -88,12 +88,12 @@ class Fit {
     fit_.parameters = internal::parameters_at(model_, fit_.theta);
   }
 
-  /// What is free, and what no measurement depends on.
+  /// Determines the free parameters, and those on which no measurement depends.
   void begin() {
     fit_.theta = start_of(model_);
     fit_.before = likelihood_.evaluate(fit_.theta, LikelihoodOrder::information);
     fit_.parameters = internal::unfitted_parameters(model_);
-    // Of linearized records the measurements are others: who makes them looks at those before.
+    // Linearized records contain other measurements; the caller checks the original ones.
     const std::vector<FilterRecord>& records = likelihood_.records();
     if (!records.empty() && records.front().linearized.empty())
       fit_.culprit = internal::constant_measurement(model_, records);
@@ -117,9 +117,10 @@ class Fit {
         free_.push_back(static_cast<int>(i));
     }
     if (fit_.before.innovations < static_cast<Index>(free_.size()))
-      throw InvalidInput("fit", fmt::format("{} measurements came for {} parameters, expected at "
-                                            "least as many",
-                                            fit_.before.innovations, free_.size()));
+      throw InvalidInput("fit",
+                         fmt::format("there are {} measurements for {} parameters; expected at "
+                                     "least as many",
+                                     fit_.before.innovations, free_.size()));
   }
 
   [[nodiscard]] std::vector<VectorXd> starts() const {
@@ -136,7 +137,8 @@ class Fit {
     return starts;
   }
 
-  /// What autocovariances find, of those parameters that they see and find more than zero of.
+  /// Result of autocovariance least squares for the parameters that it determines and whose
+  /// estimate is not zero.
   [[nodiscard]] std::optional<VectorXd> autocovariances_guess() const {
     const AutocovarianceFit found =
         fit_autocovariances(model_, likelihood_.records(), {.passes = kGuessPasses});
@@ -178,7 +180,7 @@ class Fit {
             .strides = options_.strides};
   }
 
-  /// What is known of θ at fit_.theta.
+  /// Information of θ at fit_.theta.
   [[nodiscard]] MatrixXd curvature() const {
     if (!options_.rough) return objective_.curvature(fit_.theta, free_);
     const auto at = objective_.at(fit_.theta, LikelihoodOrder::information);
@@ -187,7 +189,7 @@ class Fit {
     return result;
   }
 
-  /// Variances that the logs want none of: their logarithms run to minus infinity.
+  /// Finds variances whose estimate is zero: their logarithms decrease without bound.
   void find_zeros() {
     const double here = objective_.at(fit_.theta, LikelihoodOrder::value).value;
     fit_.information = curvature();
@@ -215,7 +217,7 @@ class Fit {
     best_ = objective_.at(fit_.theta, LikelihoodOrder::value).value;
   }
 
-  /// Uncertainty, and what is only seen together with others.
+  /// Computes the uncertainty, and the combinations of parameters that are not determined.
   void describe() {
     internal::describe_seen(fit_.information, free_, fit_.parameters, fit_.unseen);
     for (std::size_t i = 0; i < fit_.parameters.size(); ++i) {
@@ -232,12 +234,12 @@ class Fit {
     if (options_.bounds && !options_.rough) find_edges();
   }
 
-  /// An end of an interval, from θ to what is told.
+  /// Converts an end of an interval from θ to the reported unit.
   void set(double& end, std::size_t i, double theta) const {
     end = model_.parameters[i].logarithmic ? std::exp(theta) : theta;
   }
 
-  /// Ends of intervals by the profile of the likelihood, each a task of its own.
+  /// Computes the ends of intervals by the profile of the likelihood, each in its own task.
   void find_edges() {
     struct Edge {
       std::size_t parameter;
@@ -263,9 +265,10 @@ class Fit {
     });
   }
 
-  /// Where the profile of the likelihood has fallen by half the quantile of χ² of one degree.
+  /// Computes the point at which the profile of the likelihood has fallen by half the quantile of
+  /// χ² with one degree of freedom.
   /// @param side  -1 below the optimum, +1 above
-  /// @return      NaN where it does not fall so far
+  /// @return      NaN if it does not fall that far
   [[nodiscard]] double edge(const NoiseObjective& objective, int i, double confidence,
                             int side) const {
     const double z = internal::deviations(confidence);
@@ -273,7 +276,8 @@ class Fit {
     std::erase(others, i);
     VectorXd last = fit_.theta;
     const auto loss = [&](double value) {
-      // Far out the others go where no slope leads back from: the fit may be the better start.
+      // Far from the optimum the other parameters may be at points with no gradient towards a
+      // better one: the fit may be the better start.
       VectorXd there = fit_.theta;
       there(i) = last(i) = value;
       const auto of_fit = objective.at(there, LikelihoodOrder::value);
@@ -301,7 +305,7 @@ class Fit {
   NoiseFit fit_;
   std::mutex telling_;
   int told_ = 0;
-  double greatest_ = 0;
+  double max_ = 0;
 };
 
 }  // namespace

@@ -21,51 +21,51 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Gradient in coordinates of standard deviations at which a search is over.
+/// Gradient, in coordinates of standard deviations, at which a search has converged.
 constexpr double kConverged = 1e-6;
-/// A direction of which less is known is taken as known this well: its steps stay within a few
-/// e-folds.
-constexpr double kLeastInformation = 0.1;
-/// Of a parameter in flat directions, of 1 at most, from which on strides are made along it.
-constexpr double kLeastShare = 0.01;
-/// Slope of a flat direction at which a search is over: it falls off exponentially, and what is
-/// left to gain is as large.
-constexpr double kLeastGain = 1e-4;
-/// Of a sum, a part of its terms' size: 7e-13 were seen with eight million of them.
+/// Directions with less information are treated as if they had this information, so that their
+/// steps stay within a few e-folds.
+constexpr double kMinInformation = 0.1;
+/// Share of a parameter in flat directions (at most 1) from which on long steps are tried along it.
+constexpr double kMinShare = 0.01;
+/// Slope of a flat direction at which a search ends: the slope decays exponentially, so the
+/// remaining gain is about as large.
+constexpr double kMinGain = 1e-4;
+/// Rounding error of a sum relative to the size of its terms: 7e-13 was observed with eight million
+/// terms.
 constexpr double kSearchRounding = 1e-11;
-/// The same of a rough search.
+/// Gradient at which a rough search has converged.
 constexpr double kNearEnough = 1e-2;
-/// What a stride must gain in log-likelihood.
+/// Minimum gain of log-likelihood of a long step.
 constexpr double kGain = 1e-3;
 
-/// Coordinates in which the information is the identity, where it is not small.
+/// Coordinates in which the information is the identity, except where it is small.
 struct Whitening {
   MatrixXd W;             ///< θ = centre + W z
-  std::vector<int> flat;  ///< entries of θ with a share in directions of which little is known
-  bool still = false;     ///< nothing is to be gained
+  std::vector<int> flat;  ///< entries of θ with a share in directions with little information
+  bool still = false;     ///< the search has converged
 };
 
 /// @param information, gradient  of the entries `free`
 Whitening whitening(const MatrixXd& information, const VectorXd& gradient,
                     const std::vector<int>& free, bool rough) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
-  const VectorXd known = eigen.eigenvalues().cwiseMax(kLeastInformation);
+  const VectorXd known = eigen.eigenvalues().cwiseMax(kMinInformation);
   Whitening result;
   result.W = eigen.eigenvectors() * known.cwiseSqrt().cwiseInverse().asDiagonal();
   VectorXd share = VectorXd::Zero(known.size());
   for (Index q = 0; q < known.size(); ++q)
-    if (eigen.eigenvalues()(q) < kLeastInformation)
-      share += eigen.eigenvectors().col(q).cwiseAbs2();
+    if (eigen.eigenvalues()(q) < kMinInformation) share += eigen.eigenvectors().col(q).cwiseAbs2();
   for (Index i = 0; i < share.size(); ++i)
-    if (share(i) > kLeastShare) result.flat.push_back(free[static_cast<std::size_t>(i)]);
+    if (share(i) > kMinShare) result.flat.push_back(free[static_cast<std::size_t>(i)]);
   const VectorXd slope = eigen.eigenvectors().transpose() * gradient;
   result.still = true;
   for (Index q = 0; q < slope.size(); ++q) {
-    const bool is_flat = eigen.eigenvalues()(q) < kLeastInformation;
+    const bool is_flat = eigen.eigenvalues()(q) < kMinInformation;
     result.still =
         result.still &&
         std::abs(slope(q)) <
-            (is_flat ? kLeastGain : (rough ? kNearEnough : kConverged) * std::sqrt(known(q)));
+            (is_flat ? kMinGain : (rough ? kNearEnough : kConverged) * std::sqrt(known(q)));
   }
   return result;
 }
@@ -101,7 +101,7 @@ class Whitened final : public ceres::FirstOrderFunction {
         Eigen::Map<VectorXd>(gradient, W_.cols()) = -W_.transpose() * chosen(at.gradient, free_);
       return true;
     } catch (const Interrupted&) {
-      interrupted_ = true;  // no exception passes through Ceres
+      interrupted_ = true;  // exceptions must not propagate through Ceres
       return false;
     }
   }
@@ -117,8 +117,8 @@ class Whitened final : public ceres::FirstOrderFunction {
   bool& interrupted_;
 };
 
-/// Far from the truth the likelihood is flat: a noise that is too small by orders of magnitude
-/// makes no difference. Long strides of one logarithm at a time find where it does.
+/// Far from the optimum the likelihood is flat: a noise that is too small by orders of magnitude
+/// has no effect. Long steps along one logarithm at a time leave such a region.
 void stride(const NoiseObjective& objective, const VectorXd& start, const std::vector<int>& flat,
             SearchResult& result) {
   const std::vector<NoiseParameter>& parameters = objective.likelihood().model().parameters;
@@ -126,7 +126,8 @@ void stride(const NoiseObjective& objective, const VectorXd& start, const std::v
     for (const int i : flat) {
       const double stride = 128 / std::exp2(halved);
       if (!parameters[static_cast<std::size_t>(i)].logarithmic) continue;
-      // From where it stands, and from where it began, if a search ran far down a flat slope.
+      // From the current point, and from the start, since a search may have moved far down a flat
+      // slope.
       std::vector<double> targets = {result.theta(i) + stride, result.theta(i) - stride};
       if (result.theta(i) != start(i))
         targets.insert(targets.end(), {start(i) + stride, start(i) - stride});
@@ -142,14 +143,15 @@ void stride(const NoiseObjective& objective, const VectorXd& start, const std::v
     }
 }
 
-/// Steps of Newton's method with one curvature: what a quasi-Newton search leaves, they halve away.
+/// Newton steps with a constant curvature, halved if necessary: they remove the error that a
+/// quasi-Newton search leaves.
 void polish(const NoiseObjective& objective, const std::vector<int>& free, SearchResult& result) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
       chosen(objective.curvature(result.theta, free), free));
-  // In the directions that are known.
+  // In the directions with enough information.
   MatrixXd inverse = MatrixXd::Zero(eigen.eigenvalues().size(), eigen.eigenvalues().size());
   for (Index q = 0; q < inverse.cols(); ++q)
-    if (eigen.eigenvalues()(q) > kLeastInformation)
+    if (eigen.eigenvalues()(q) > kMinInformation)
       inverse += eigen.eigenvectors().col(q) * eigen.eigenvectors().col(q).transpose() /
                  eigen.eigenvalues()(q);
   auto at = objective.at(result.theta, LikelihoodOrder::gradient);
@@ -160,7 +162,7 @@ void polish(const NoiseObjective& objective, const std::vector<int>& free, Searc
     VectorXd theta = result.theta;
     for (Index i = 0; i < step.size(); ++i) theta(free[static_cast<std::size_t>(i)]) += step(i);
     const auto there = objective.at(theta, LikelihoodOrder::gradient);
-    // Rounding of the sum hides what a last step gains.
+    // The gain of a last step is below the rounding error of the sum.
     if (!there.computed || there.value < at.value - at.rounding ||
         !(chosen(there.gradient, free).norm() < g.norm()))
       break;
@@ -180,7 +182,7 @@ void quasi_newton(const NoiseObjective& objective, const MatrixXd& W, bool flat,
   options.logging_type = ceres::SILENT;
   options.function_tolerance = 1e-14;
   options.parameter_tolerance = 0;
-  // What is left is for Newton's method, which a flat direction has no use for.
+  // The rest is left to Newton's method, which does not apply to a flat direction.
   options.gradient_tolerance = flat ? 1e-5 : 1e-3;
   bool interrupted = false;
   const Whitened whitened(objective, result.theta, at.value, W, free, interrupted);
@@ -229,7 +231,7 @@ NoiseObjective::Value NoiseObjective::at(const VectorXd& theta, LikelihoodOrder 
 
 void NoiseObjective::in_parallel(
     std::size_t parts, const std::function<void(std::size_t, const NoiseObjective&)>& one) const {
-  // Of each thread its own copy, and what they did is added up once all are done.
+  // Each thread has its own copy; their results are added when all have finished.
   struct Thread {
     InnovationLikelihood likelihood;
     NoiseObjective objective;
@@ -313,7 +315,7 @@ SearchResult search(const NoiseObjective& objective, const VectorXd& start,
     }
     const VectorXd before = result.theta;
     quasi_newton(objective, W, !flat.empty(), options.max_iterations, free, at, result);
-    // Where a line search finds nothing, Newton's method may.
+    // Newton's method may succeed if a line search fails.
     if (!options.rough || result.theta == before) polish(objective, free, result);
     if (result.theta == before) break;
     strode = false;

@@ -20,21 +20,22 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Fits with a new path or new refusals each.
-constexpr int kMostRounds = 20;
-/// Change of θ, in standard errors or, of what is not seen, in logarithms, that ends them.
+/// Maximum number of fits, each with a new path or new rejected measurements.
+constexpr int kMaxRounds = 20;
+/// Change of θ at which the fits end, in standard errors, or in logarithms if not determined.
 constexpr double kSettled = 0.01;
-/// Change from them of a last fit, which is precise, that begins anew: it went where the rough ones
-/// before it did not look.
+/// If the last, precise fit changes by more than this, the fits are repeated, because it found a
+/// region that the rough fits before it did not search.
 constexpr double kFarOff = 0.1;
-/// Growth of a root mean square error that is worth saying.
+/// Ratio of root mean square errors from which an increase is reported.
 constexpr double kLessAccurate = 1.01;
-/// Tails of a gated sensor in the first fit: with these an outlier has little weight.
+/// Degrees of freedom of Student's distribution of a gated sensor in the first fit: with its tails
+/// an outlier has little weight.
 constexpr double kLongTails = 4;
 
 using Stop = std::function<bool()>;
-/// The records at a θ: what is refused is NaN, and what is nonlinear is linearized. Throws
-/// Interrupted where it is told to stop.
+/// Computes the records at a θ: rejected measurements are NaN, and nonlinear models are linearized.
+/// Throws Interrupted if requested.
 using Records = std::function<LinearizedLogs(const VectorXd&, const Stop&)>;
 
 bool has_gate(const FilterModel& model) {
@@ -47,7 +48,7 @@ Index first_held_out(const FilterRecord& record, double holdout) {
   return static_cast<Index>(std::ceil(static_cast<double>(record.samples()) * (1 - holdout)));
 }
 
-/// The record up to where it is held out.
+/// The part of the record before the held-out part.
 FilterRecord beginning(const FilterRecord& record, double holdout) {
   const Index count = first_held_out(record, holdout);
   FilterRecord result;
@@ -62,7 +63,8 @@ FilterRecord beginning(const FilterRecord& record, double holdout) {
   return result;
 }
 
-/// Takes out what the gates refused; of a sensor whose noise is correlated, the whole sample.
+/// Removes the measurements that the gates rejected; for a sensor with correlated noise, the whole
+/// sample.
 void take_out(const FilterModel& model, const FilterRun& run, FilterRecord& record) {
   for (Index k = 0; k < record.samples(); ++k) {
     Index first = 0;
@@ -77,7 +79,7 @@ void take_out(const FilterModel& model, const FilterRun& run, FilterRecord& reco
   }
 }
 
-/// Records of a linear model without what its gates refuse.
+/// Records of a linear model without the measurements that its gates reject.
 Records gated(const FilterModel& model, const std::vector<FilterRecord>& records) {
   if (!has_gate(model))
     return [&records](const VectorXd&, const Stop&) { return LinearizedLogs{records, ""}; };
@@ -123,7 +125,8 @@ std::vector<RefusedCount> count_refused(const FilterModel& model,
   return result;
 }
 
-/// θ of a fit that outliers do not spoil, because gated sensors' errors have long tails in it.
+/// θ of a fit that is robust to outliers, because the errors of gated sensors have heavy tails in
+/// it.
 VectorXd first_guess(const FilterModel& model, const std::vector<FilterRecord>& records,
                      const NoiseFitOptions& options, double holdout) {
   FilterModel tailed = model;
@@ -136,7 +139,7 @@ VectorXd first_guess(const FilterModel& model, const std::vector<FilterRecord>& 
                                                                              : fit.theta;
 }
 
-/// All runs, or the first one that has no value.
+/// All runs, or the first one that failed.
 struct Runs {
   std::vector<FilterRun> runs;
   std::string culprit;
@@ -148,18 +151,18 @@ Runs run_all(const InnovationLikelihood& likelihood, const VectorXd& theta) {
     result.runs.push_back(likelihood.run(r, theta));
     FilterRun& run = result.runs.back();
     run.refused.resize(0, 0);
-    if (likelihood.records()[r].truth.size() == 0) {  // nobody looks at the states
+    if (likelihood.records()[r].truth.size() == 0) {  // the states are not used
       run.x.resize(0, 0);
       run.x_variance.resize(0, 0);
     }
     if (run.status == LikelihoodStatus::computed) continue;
-    result.culprit = run.culprit.empty() ? "innovations leave the range of a double" : run.culprit;
+    result.culprit = run.culprit.empty() ? "innovations exceed the range of a double" : run.culprit;
     break;
   }
   return result;
 }
 
-/// The first part of each run, or what comes after it.
+/// The fitted part of each run, or the held-out part.
 std::vector<FilterRun> part_of(const std::vector<FilterRun>& runs,
                                const std::vector<FilterRecord>& records, double holdout,
                                bool held_out) {
@@ -178,7 +181,7 @@ std::vector<FilterRun> part_of(const std::vector<FilterRun>& runs,
   return result;
 }
 
-/// What was true in the part of each record that part_of() takes.
+/// The true states in the part of each record that part_of() selects.
 std::vector<FilterRecord> truths_of(const std::vector<FilterRecord>& records, double holdout,
                                     bool held_out) {
   std::vector<FilterRecord> result(records.size());
@@ -203,8 +206,8 @@ class Tuner {
         begin_(std::chrono::steady_clock::now()) {
     require(options.seconds > 0, "seconds", options.seconds, "a positive number");
     require(options.holdout >= 0 && options.holdout <= 0.9, "holdout", options.holdout, "0 to 0.9");
-    require(options.most_refused >= 0 && options.most_refused < 1, "most_refused",
-            options.most_refused, "0 or more and less than 1");
+    require(options.max_rejected >= 0 && options.max_rejected < 1, "most_refused",
+            options.max_rejected, "0 or more and less than 1");
   }
 
   /// @param all    the measurements before any gate
@@ -215,7 +218,7 @@ class Tuner {
     best_ = first;
     tuning_.warnings = internal::hanging_measurements(model_, all);
     try {
-      if (kind == Kind::linearized)  // else the fit looks at the records itself
+      if (kind == Kind::linearized)  // otherwise the fit checks the records itself
         logs.culprit = internal::constant_measurement(model_, fitted_parts(all, options_.holdout));
       if (logs.culprit.empty()) logs = records_(first, over());
       if (logs.culprit.empty()) fit(logs, kind != Kind::constant);
@@ -240,7 +243,7 @@ class Tuner {
     return std::move(tuning_);
   }
 
-  /// As they were asked for, but ended by the time too, and told of as a part of the whole.
+  /// The options given, with the time limit added and the progress reported as a part of the whole.
   [[nodiscard]] NoiseFitOptions fit_options() {
     NoiseFitOptions options = options_.fit;
     options.interrupted = over();
@@ -257,7 +260,7 @@ class Tuner {
       throw InvalidInput("tuning", fmt::format("{} is {}, expected {}", name, value, expected));
   }
 
-  /// Whether the search is to end: the time is up, or somebody wants it to.
+  /// Whether the search must end: the time is over, or the user interrupts.
   [[nodiscard]] Stop over() const {
     return [this] {
       return wanted() ||
@@ -265,12 +268,12 @@ class Tuner {
                  options_.seconds;
     };
   }
-  /// Whether somebody wants all of it to end.
+  /// Whether the user interrupts.
   [[nodiscard]] bool wanted() const {
     return options_.fit.interrupted && options_.fit.interrupted();
   }
 
-  /// What is left of a search that was ended: the best so far.
+  /// Result of a search that was ended: the best point so far.
   void end_early() {
     NoiseFit& fit = tuning_.fit;
     if (!wanted()) fit.status = NoiseFitStatus::out_of_time;
@@ -280,7 +283,7 @@ class Tuner {
     if (before_.computed()) fit.before = before_;
   }
 
-  /// Of the whole records with what was found and with what the model started with.
+  /// Evaluates the whole records with the estimated covariances and with those of the model.
   void look_at_innovations(const std::vector<FilterRecord>& all, Kind kind, LinearizedLogs& logs) {
     const Stop stop = options_.fit.interrupted;
     const VectorXd start = start_of(model_);
@@ -309,7 +312,7 @@ class Tuner {
     if (options_.method == NoiseMethod::likelihood) {
       tuning_.fit = fit_noise(likelihood, options);
       evaluations_ += tuning_.fit.evaluations;
-      // Ended before it found anything better it knows its own start alone.
+      // If it ended before it improved the start, there is only the start itself.
       if (tuning_.fit.status == NoiseFitStatus::interrupted &&
           (tuning_.fit.evaluations == 0 || tuning_.fit.theta == start_of(likelihood.model())))
         tuning_.fit.theta = best_;
@@ -325,7 +328,7 @@ class Tuner {
     evaluations_ += tuning_.fit.evaluations;
   }
 
-  /// The last fit beside that of the other method.
+  /// Compares the last fit with that of the other method.
   void compare_with_other(const InnovationLikelihood& likelihood) {
     if (!options_.compare || !tuning_.fit.converged() || over()()) return;
     AgreementOptions options = options_.agreement;
@@ -336,10 +339,10 @@ class Tuner {
       tuning_.warnings.push_back(reason);
   }
 
-  /// Fits until neither the path nor the refusals change.
+  /// Fits until neither the path nor the rejected measurements change.
   void fit(LinearizedLogs& logs, bool changing) {
     NoiseFitOptions options = fit_options();
-    options.bounds = !changing;  // those of the last fit are enough
+    options.bounds = !changing;  // those of the last fit suffice
     options.profile = options_.fit.profile && !changing;
     options.rough = changing;
     FilterModel model = model_;
@@ -359,20 +362,22 @@ class Tuner {
       logs = std::move(next);
       if (!logs.culprit.empty()) return;
       if (settled && finish(logs, with_noise(model_, tuning_.fit.theta))) return;
-      if (tuning_.rounds == kMostRounds) {
+      if (tuning_.rounds == kMaxRounds) {
         tuning_.fit.status = NoiseFitStatus::not_converged;
         tuning_.fit.culprit = fmt::format(
-            "the filter's path and what its gates refuse still change after {} fits", kMostRounds);
+            "the path of the filter and the measurements that its gates reject still change after "
+            "{} fits",
+            kMaxRounds);
         return;
       }
       model = with_noise(model_, tuning_.fit.theta);
       options.starts = 1;
-      options.strides = false;  // the last fit makes them
+      options.strides = false;  // the last fit takes them
     }
   }
 
-  /// The settled fit once more, with all that is wanted of it.
-  /// @return  false where it went elsewhere, and the path with it
+  /// Repeats the converged fit with all requested options.
+  /// @return  false if it changed, and the path with it
   bool finish(const LinearizedLogs& logs, const FilterModel& model) {
     InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
     NoiseFitOptions options = fit_options();
@@ -386,20 +391,20 @@ class Tuner {
     return settled;
   }
 
-  /// Greatest change of a free parameter from `before`, in its standard errors.
+  /// Largest change of a free parameter from `before`, in its standard errors.
   [[nodiscard]] double change(const VectorXd& before) const {
-    double greatest = 0;
+    double max = 0;
     for (Index i = 0; i < before.size(); ++i) {
       const FittedParameter& p = tuning_.fit.parameters[static_cast<std::size_t>(i)];
       if (p.verdict != ParameterVerdict::seen) continue;
-      greatest = std::max(greatest, std::abs(tuning_.fit.theta(i) - before(i)) / p.standard_error);
+      max = std::max(max, std::abs(tuning_.fit.theta(i) - before(i)) / p.standard_error);
     }
-    return greatest;
+    return max;
   }
 
   void compare(const LinearizedLogs& logs, const LinearizedLogs& at_start, const VectorXd& start) {
     const std::vector<FilterRecord>& records = logs.records;
-    // Without gates: what is left is looked at whole.
+    // Without gates, since outliers are removed already: all other measurements are used.
     FilterModel open = model_;
     for (FilterSensor& sensor : open.sensors) sensor.gate = std::numeric_limits<double>::infinity();
     const auto all_runs = [&](const std::vector<FilterRecord>& of, const VectorXd& theta) {
@@ -425,7 +430,8 @@ class Tuner {
       compare_accuracy({at_start.records, old_runs.runs}, {records, new_runs.runs});
   }
 
-  /// How far from the truth both are, over what the fit has not seen if it is told there.
+  /// Compares the errors of both with the true states, over the held-out part if they are known
+  /// there.
   void compare_accuracy(const TrueRuns& before, const TrueRuns& after) {
     const auto over = [&](bool held_out) {
       const double holdout = options_.holdout;
@@ -435,7 +441,7 @@ class Tuner {
                             {truths_of(after.records, holdout, held_out),
                              part_of(after.runs, after.records, holdout, held_out)});
     };
-    // In the order of the states, each over the stretch held out where it is told there.
+    // In the order of the states, each over the held-out part if its true values are known there.
     tuning_.accuracy = over(false);
     if (options_.holdout > 0)
       for (StateAccuracy& unseen : over(true)) {
@@ -453,7 +459,7 @@ class Tuner {
     for (const StateAccuracy& state : tuning_.accuracy) {
       if (!(state.after > kLessAccurate * state.before)) continue;
       held_out = held_out && state.held_out;
-      worse.push_back(fmt::format("{} errs by {:.3g} {}, {:.0f} % more than before{}", state.state,
+      worse.push_back(fmt::format("{}: error {:.3g} {}, {:.0f} % larger than before{}", state.state,
                                   state.after, state.unit, 100 * (state.after / state.before - 1),
                                   state.p < 0.05 ? "" : ", which may be chance"));
     }
@@ -463,10 +469,10 @@ class Tuner {
                     distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
                         ? "more consistent but "
                         : "",
-                    held_out ? " on the stretch held out" : "", internal::joined(worse, "; ")));
+                    held_out ? " on the held-out part" : "", internal::joined(worse, "; ")));
   }
 
-  /// How far the sizes of innovations and of errors are from what they should be.
+  /// Distance of the sizes of innovations and of errors from 1.
   static double distance_from_one(const Consistency& consistency) {
     double sum = 0;
     for (const ConsistencyCheck& c : consistency.checks)
@@ -509,7 +515,7 @@ class Tuner {
 
   void judge() {
     const NoiseFit& fit = tuning_.fit;
-    std::vector<std::string> doubts;  // they come after the flaws
+    std::vector<std::string> doubts;  // reported after the failures
     const auto worsen = [&](CheckVerdict to, const std::string& reason) {
       (to == CheckVerdict::fail ? tuning_.reasons : doubts).push_back(reason);
       if (tuning_.verdict != CheckVerdict::fail) tuning_.verdict = to;
@@ -523,9 +529,9 @@ class Tuner {
     for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
     for (const RefusedCount& count : tuning_.refused)
       if (static_cast<double>(count.refused) >
-          options_.most_refused * static_cast<double>(count.measured))
+          options_.max_rejected * static_cast<double>(count.measured))
         worsen(CheckVerdict::fail,
-               fmt::format("{}: the gate refuses {} of {} measurements, more than outliers are",
+               fmt::format("{}: the gate rejects {} of {} measurements, too many to be outliers",
                            count.output, count.refused, count.measured));
     for (const std::string& reason : tuning_.after.reasons) worsen(tuning_.after.verdict, reason);
     if (options_.holdout > 0 && tuning_.holdout.verdict != CheckVerdict::pass)
@@ -537,8 +543,8 @@ class Tuner {
   Records records_;
   const NoiseTuningOptions& options_;
   std::chrono::steady_clock::time_point begin_;
-  int evaluations_ = 0;  ///< of the fits that are over
-  VectorXd best_;        ///< θ so far
+  int evaluations_ = 0;  ///< of the completed fits
+  VectorXd best_;        ///< best θ so far
   Likelihood before_;    ///< of the first fit
   NoiseTuning tuning_;
 };
@@ -555,7 +561,8 @@ std::vector<FilterRecord> fitted_parts(const std::vector<FilterRecord>& records,
 FilterModel with_noise(FilterModel model, const Eigen::Ref<const VectorXd>& theta) {
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const double value = theta(static_cast<Index>(i));
-    // A search may take a variance to 0, which is no start: as small as a double allows.
+    // A search may reduce a variance to 0, which is not a valid start: use the smallest that a
+    // double allows.
     constexpr double kFarthest = 700;
     model.parameters[i].start = model.parameters[i].logarithmic
                                     ? std::exp(std::clamp(value, -kFarthest, kFarthest))

@@ -19,19 +19,19 @@ namespace {
 using internal::Range;
 using internal::TomlTable;
 
-/// Whether a word can only be a path.
+/// Whether a word must be a path rather than a name.
 bool is_path(const std::string& word) {
   return word.find('/') != std::string::npos || word.ends_with(".toml") || word.ends_with(".json");
 }
 
-/// What a word names beside the campaign's file: a path there, or a name of its own.
+/// Resolves a word relative to the campaign's folder: a path there, or an unchanged name.
 std::string beside(const std::filesystem::path& folder, const std::string& word) {
-  std::error_code ignored;  // what cannot be looked at is left to who reads it
+  std::error_code ignored;  // the reader of the path reports errors
   const bool path = is_path(word) || std::filesystem::is_regular_file(folder / word, ignored);
   return path ? (folder / word).string() : word;
 }
 
-/// Likewise of gains, which may lie in a folder.
+/// The same for gains, which may be in a folder.
 std::string gains_beside(const TomlTable& table, const std::filesystem::path& folder,
                          const std::string& word) {
   const std::vector<std::string> known = {"designed", "published"};
@@ -39,27 +39,27 @@ std::string gains_beside(const TomlTable& table, const std::filesystem::path& fo
   std::error_code ignored;
   if (!is_path(word) && !std::filesystem::exists(folder / word, ignored))
     throw InvalidInput(table.where("gains"),
-                       fmt::format("no gains '{}', expected designed, published, or a file or a "
-                                   "folder beside this one{}",
+                       fmt::format("no gains '{}', expected designed, published, or a file or "
+                                   "folder next to this file{}",
                                    internal::printable(word), internal::did_you_mean(word, known)));
   return (folder / word).string();
 }
 
-/// Whether a name could stand in a file as such (TomlTable::word()).
+/// Whether a name is valid in a file (TomlTable::word()).
 bool is_word(const std::string& name) {
   return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-';
   });
 }
 
-/// Two of one name could not be told apart.
+/// Rejects duplicate names, because the items could not be distinguished.
 template <class Item>
 void require_new_name(const std::vector<Item>& others, const std::string& name,
                       const std::string& where, const char* what) {
   for (const Item& other : others)
     if (other.name == name)
       throw InvalidInput(
-          where, fmt::format("a second {} has the name '{}', expected another name", what, name));
+          where, fmt::format("a second {} has the name '{}'; names must be distinct", what, name));
 }
 
 CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& folder) {
@@ -69,10 +69,10 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
   const std::string gains = table.text_or("gains", "designed");
   design.name =
       table.has("name") ? table.word("name") : std::filesystem::path(gains).stem().string();
-  // It names a file and a column's values.
+  // The name is used for a file and as the value of a column.
   if (!is_word(design.name))
-    throw InvalidInput(table.where(), fmt::format("gains '{}' give the design no name, expected "
-                                                  "name = \"…\" beside them",
+    throw InvalidInput(table.where(), fmt::format("gains '{}' do not give the design a name; add "
+                                                  "name = \"…\"",
                                                   internal::printable(gains)));
   design.gains = gains_beside(table, folder, gains);
   design.controller = table.text_or("controller", "");
@@ -83,9 +83,9 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
 CampaignKeep read_keep(const TomlTable& table) {
   table.allow({{"failures"}, {"sample"}});
   CampaignKeep keep;
-  constexpr int kMost = 1000;
-  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMost);
-  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMost);
+  constexpr int kMax = 1000;
+  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMax);
+  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMax);
   return keep;
 }
 
@@ -138,18 +138,18 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
               {"vary"},
               {"correlation"}});
   const std::filesystem::path folder = path.parent_path();
-  constexpr int kMost = std::numeric_limits<int>::max();
+  constexpr int kMax = std::numeric_limits<int>::max();
   CampaignRequest request;
   request.name = file.word("name");
   request.vehicle = beside(folder, file.text("vehicle"));
   request.vehicle_where = file.where("vehicle");
-  request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMost));
-  if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMost));
+  request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMax));
+  if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMax));
   if (file.has("shards")) {
-    request.shards = static_cast<std::uint32_t>(file.integer("shards", 1, kMost));
+    request.shards = static_cast<std::uint32_t>(file.integer("shards", 1, kMax));
     if (request.shards > request.flights)
       throw InvalidInput(file.where("shards"),
-                         fmt::format("shards is {}, expected at most {} as there are no more "
+                         fmt::format("shards is {}, expected at most {}, the number of "
                                      "flights",
                                      request.shards, request.flights));
   }
@@ -168,7 +168,7 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
     missions.push_back(request.missions.back().mission);
   }
   if (missions.empty())
-    throw InvalidInput(file.where(), "there is no [[mission]], expected one or more to fly");
+    throw InvalidInput(file.where(), "[[mission]] is missing; expected at least one");
   request.uncertainty = internal::read_uncertainty(file, folder);
   return request;
 }

@@ -22,7 +22,7 @@ using internal::Json;
 
 constexpr std::size_t kLimit = std::size_t{1} << 30;
 
-/// Whether there is such a file; one that cannot be looked at is an error.
+/// Whether a file exists; an error if this cannot be determined.
 bool is_there(const fs::path& path) {
   std::error_code error;
   const bool there = fs::exists(path, error);
@@ -30,8 +30,8 @@ bool is_there(const fs::path& path) {
   return there;
 }
 
-/// The first key in which the plan in a folder is not the one that is asked for:
-/// ": what differs is shards, 8 there and 1 here".
+/// Describes the first key in which the plan in a folder differs from the requested one: ": what
+/// differs is shards, 8 there and 1 here".
 std::string difference_of(const fs::path& plan, const std::vector<FileContent>& files) {
   const auto asked = std::find_if(files.begin(), files.end(),
                                   [](const FileContent& file) { return file.name == kPlanName; });
@@ -55,7 +55,7 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
   return "";
 }
 
-/// "done", "running", "stopped", "damaged", "waiting".
+/// "done", "running", "stopped", "damaged" or "waiting".
 std::string word_of(const ShardState& state) {
   constexpr double kAlive = 60;  // [s] since a worker wrote
   if (state.complete) return "done";
@@ -64,15 +64,15 @@ std::string word_of(const ShardState& state) {
   return state.workers > 0 ? "stopped" : "waiting";
 }
 
-/// Refuses a folder whose plan is another one.
+/// Rejects a folder with another plan.
 void require_same(const fs::path& folder, const std::vector<FileContent>& files) {
   const fs::path plan = folder / kPlanName;
   for (const FileContent& content : files) {
     const fs::path path = folder / content.name;
     if (!is_there(path) || internal::read_file(path.string(), kLimit) != content.bytes)
       throw InvalidInput(plan.string(),
-                         fmt::format("is of another campaign{}, expected a folder of its own for "
-                                     "each",
+                         fmt::format("belongs to another campaign{}; use a new folder for "
+                                     "this one",
                                      difference_of(plan, files)));
   }
 }
@@ -94,7 +94,7 @@ bool write_campaign(const MadeCampaign& made, const std::string& folder,
   }
   const std::vector<FileContent> scripts =
       campaign_scripts(made.plan, fs::absolute(folder).lexically_normal());
-  // The plan comes last: where it is, everything is.
+  // The plan is written last, so that a folder with a plan is complete.
   write_files(folder, scripts, {}, stop);
   for (const FileContent& script : scripts) make_executable(fs::path(folder) / script.name);
   write_files(folder, made.files, {}, stop);
@@ -105,7 +105,7 @@ CampaignStatus campaign_status(const CampaignPlan& plan, const std::string& path
   const CampaignFolder folder = folder_of(plan, path);
   CampaignStatus status;
   status.expected = plan.campaign.records();
-  double rate = 0;  // of the workers of whom it is known
+  double rate = 0;  // of the workers with a known rate
   int running = 0;
   for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
     const ShardState state = shard_state(folder, shard);
@@ -144,8 +144,8 @@ std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::str
     const std::string first = missing.front();
     missing.resize(missing.size() - more);
     throw InvalidInput(
-        path, fmt::format("shard{} {}{} {} not complete, expected all {}: `quadtune campaign work "
-                          "{} --shard {}` flies what is missing",
+        path, fmt::format("shard{} {}{} {} not complete; expected all {}: `quadtune campaign work "
+                          "{} --shard {}` flies the missing flights",
                           missing.size() + more == 1 ? "" : "s", internal::joined(missing, ", "),
                           more > 0 ? fmt::format(" and {} more", more) : "",
                           missing.size() + more == 1 ? "is" : "are", plan.shards, path, first));
@@ -171,7 +171,7 @@ std::set<std::uint64_t> kept_flights(const CampaignPlan& plan,
 PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number) {
   const std::size_t which = number % plan.campaign.cases.size();
   PlannedFlight flight = plan.words[which];
-  // Here and not in load_plan(), as workers have no use for it.
+  // Computed here and not in load_plan(), because workers do not need it.
   flight.bound = mission_bound(plan.campaign.cases[which].setup);
   flight.setup = setup_of(plan.campaign, number);
   return flight;

@@ -35,8 +35,8 @@ constexpr char kFormat[] = "quadtune campaign plan";
 constexpr int kFormatVersion = 3;
 constexpr char kPlanHashName[] = "plan.sha256";
 constexpr std::size_t kPlanLimit = std::size_t{64} << 20;
-/// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
-/// one processor.
+/// Simulated time per shard if the file does not set the number of shards [s]: some minutes on one
+/// processor.
 constexpr double kShardTime = 3e6;
 
 // --- the parts of a plan as JSON ---
@@ -53,8 +53,8 @@ Json to_json(const Uncertainty& uncertainty) {
                        {"distribution", to_string(d.kind)},
                        {"first", d.first},
                        {"second", d.second},
-                       {"least", finite_or_null(d.least)},
-                       {"most", finite_or_null(d.most)}});
+                       {"least", finite_or_null(d.min)},
+                       {"most", finite_or_null(d.max)}});
   }
   return {{"numbers", numbers},
           {"correlation", internal::matrix_to_json(uncertainty.correlation, "correlation")}};
@@ -72,8 +72,8 @@ Uncertainty uncertainty_of(const Json& json, const std::string& where) {
       if (to_string(known) == kind) d.kind = known;
     d.first = member(entry, "first", where).get<double>();
     d.second = member(entry, "second", where).get<double>();
-    d.least = number_or(member(entry, "least", where), d.least);
-    d.most = number_or(member(entry, "most", where), d.most);
+    d.min = number_or(member(entry, "least", where), d.min);
+    d.max = number_or(member(entry, "most", where), d.max);
     uncertainty.numbers.push_back(number);
   }
   uncertainty.correlation =
@@ -127,8 +127,8 @@ WidenedLimit widened_of(const Json& json, const std::string& where) {
           number("asked"), number("bound"), number("judged")};
 }
 
-/// A planned flight: its setup, and what was chosen for it in words. The law, the vehicle and the
-/// mission's text are elsewhere in the plan.
+/// A planned flight: its setup and the description of its choices. Law, vehicle and mission text
+/// are stored elsewhere in the plan.
 Json to_json(const PlannedFlight& flight) {
   Json widened = Json::array();
   for (const WidenedLimit& limit : flight.widened) widened.push_back(to_json(limit));
@@ -141,7 +141,7 @@ Json to_json(const PlannedFlight& flight) {
           {"setup", internal::setup_to_json(flight.setup)}};
 }
 
-/// Reads it back.
+/// The inverse.
 PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicle& vehicle,
                         const Mission& mission, const ChosenLaw& law) {
   PlannedFlight flight;
@@ -159,7 +159,7 @@ PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicl
   setup.controller = law.controller;
   if (member(json, "filter_of_the_law", where).get<bool>()) {
     if (!law.estimator || !law.estimator->general)
-      throw InvalidInput(where, "a flight has the filter of its law, which has none");
+      throw InvalidInput(where, "a flight uses the filter of its law, but the law has none");
     setup.general_filter = law.estimator->general;
   }
   internal::setup_from_json(member(json, "setup", where), where, setup);
@@ -176,7 +176,7 @@ void add_case(const std::string& design, const std::string& mission, PlannedFlig
   plan.words.push_back(std::move(flight));
 }
 
-/// A name of no vehicle was written in the file.
+/// The vehicle of a request; an unknown name is an error in the file.
 Vehicle vehicle_of(const CampaignRequest& request) {
   try {
     return load_vehicle(request.vehicle);
@@ -186,15 +186,15 @@ Vehicle vehicle_of(const CampaignRequest& request) {
   }
 }
 
-/// Thousands of flights that fall are not flown.
+/// Rejects an unstable design before thousands of flights crash.
 void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
   const std::optional<FlownLoop> loop = hover_loop(plan);
   if (!loop || !loop->grows()) return;
   throw NoSolution(
-      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' as it flies, with the "
+      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' in flight with the "
                   "estimator {}: {}; {}",
                   design.where, design.name, plan.setup.vehicle.name, plan.estimator,
-                  in_words(*loop), what_helps(plan, *loop)),
+                  describe(*loop), what_helps(plan, *loop)),
       design.where);
 }
 
@@ -242,7 +242,7 @@ class PlanMaker {
   std::uint32_t shard_count() const {
     std::uint32_t shards = shards_ > 0 ? shards_ : request_.shards;
     if (shards == 0) {
-      double time = 0;  // of one draw
+      double time = 0;  // for one draw
       for (const CampaignMission& m : request_.missions)
         time += m.arguments.duration.value_or(m.mission.duration);
       time *= static_cast<double>(request_.flights * request_.designs.size());
@@ -250,8 +250,8 @@ class PlanMaker {
           std::clamp(std::ceil(time / kShardTime), 1.0, static_cast<double>(request_.flights)));
     }
     if (shards > request_.flights)
-      throw OptionError("shards", fmt::format("shards is {}, expected at most {} as there are no "
-                                              "more flights",
+      throw OptionError("shards", fmt::format("shards is {}, expected at most {}, the number "
+                                              "of flights",
                                               shards, request_.flights));
     return shards;
   }
@@ -262,14 +262,14 @@ class PlanMaker {
       Json entry = {{"name", m.mission.name}, {"text", m.mission.text}};
       const auto table = internal::TomlTable::parse(m.mission.text, m.mission.name);
       if (const auto csv = table.maybe_table("csv")) {
-        // Its references lie beside it; in the plan, beside the plan.
+        // The file of its references is next to the mission; in the plan, it is next to the plan.
         const std::string name = csv->word("file");
         const std::string bytes =
             internal::read_file((m.mission.file.parent_path() / name).string(), kScriptFileLimit);
         for (const FileContent& file : made_.files)
           if (file.name == name && file.bytes != bytes)
-            throw InvalidInput(m.where, fmt::format("another mission has references of the name "
-                                                    "'{}', expected another name",
+            throw InvalidInput(m.where, fmt::format("the references '{}' are used by "
+                                                    "another mission; rename one of the files",
                                                     name));
         if (std::none_of(made_.files.begin(), made_.files.end(),
                          [&](const FileContent& file) { return file.name == name; }))
@@ -279,7 +279,7 @@ class PlanMaker {
     }
   }
 
-  /// The law does not depend on the mission; the flight that is planned with it does.
+  /// The law does not depend on the mission, but the planned flight does.
   void add_design(Json& json, const CampaignDesign& design, const Vehicle& vehicle) {
     Json entry = {{"name", design.name}};
     FlightOptions arguments;
@@ -291,9 +291,9 @@ class PlanMaker {
         option_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
     if (law.on_board)
       throw InvalidInput(design.where + ": controller",
-                         fmt::format("{} has the loops of an autopilot, which a campaign cannot "
-                                     "fly, expected controller = \"cascaded-pid\", the cascade "
-                                     "that stands for them",
+                         fmt::format("{} has the loops of an autopilot, which campaigns do not "
+                                     "support; use controller = \"cascaded-pid\", the cascade "
+                                     "that approximates them",
                                      design.gains));
     entry["law"] = law.words;
     Controller controller = law.controller;
@@ -311,7 +311,7 @@ class PlanMaker {
       PlannedFlight plan =
           option_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
       require_stable(plan, design);
-      controller = plan.setup.controller;  // with the integrator that was asked for
+      controller = plan.setup.controller;  // with the requested integrator
       Json flight = to_json(plan);
       flight["design"] = design.name;
       flight["mission"] = m.mission.name;
@@ -351,45 +351,49 @@ Json parse_plan(const std::string& text, const std::string& where) {
   try {
     json = Json::parse(text);
   } catch (const internal::JsonError&) {
-    throw InvalidInput(where,
-                       "is no plan of a campaign: it is not JSON, expected what `campaign init` "
-                       "wrote");
+    throw InvalidInput(
+        where,
+        "is not the plan of a campaign: it is not JSON; expected a plan that `campaign init` "
+        "wrote");
   }
   if (!json.is_object() || !json.contains("format") || json["format"] != kFormat)
-    throw InvalidInput(where, "is no plan of a campaign, expected what `campaign init` wrote");
+    throw InvalidInput(where,
+                       "is not the plan of a campaign; expected a plan that `campaign init` wrote");
   if (!json.contains("version") || json["version"] != std::string(kVersion) ||
       !json.contains("format_version") || json["format_version"] != kFormatVersion)
     throw InvalidInput(
-        where, fmt::format("was written by version {}, this is {}: expected the same, because "
-                           "another may fly differently",
-                           json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
-                           kVersion));
+        where,
+        fmt::format("was written by version {}, but this is {}; use the same version, because "
+                    "results may differ between versions",
+                    json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
+                    kVersion));
   return json;
 }
 
 void check_inputs(const Json& json, const std::filesystem::path& folder, const std::string& where) {
   const Json& inputs = member(json, "inputs", where);
   if (!inputs.is_array())
-    throw InvalidInput(where, "was changed since it was written: inputs is no list, expected one");
+    throw InvalidInput(where, "has been modified since it was written: inputs is not a list");
   for (const Json& input : inputs) {
     const auto name = member(input, "file", where).get<std::string>();
     const std::string path = (folder / std::filesystem::path(name).filename()).string();
     if (sha256_of_file(path) != member(input, "sha256", where).get<std::string>())
       throw InvalidInput(path,
-                         "was changed since the plan was written, expected it as it was; a "
-                         "changed campaign needs a folder of its own");
+                         "has been modified since the plan was written; restore it, or "
+                         "start the changed campaign in a new folder");
   }
 }
 
-/// A number of the plan that counts: a conversion alone would take -1.5 for four thousand million.
-std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, std::uint32_t most,
+/// A non-negative integer of the plan; a plain conversion would turn -1.5 into four billion.
+std::uint32_t count_of(const Json& json, const char* key, std::uint32_t min, std::uint32_t max,
                        const std::string& where) {
   const Json& value = member(json, key, where);
-  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
-      value.get<std::uint64_t>() > most)
-    throw InvalidInput(where, fmt::format("was changed since it was written: {} is {}, expected {} "
-                                          "to {}",
-                                          key, internal::json_text(value), least, most));
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < min ||
+      value.get<std::uint64_t>() > max)
+    throw InvalidInput(where,
+                       fmt::format("has been modified since it was written: {} is {}, expected {} "
+                                   "to {}",
+                                   key, internal::json_text(value), min, max));
   return value.get<std::uint32_t>();
 }
 
@@ -398,7 +402,7 @@ struct NamedLaw {
   ChosenLaw law;
 };
 
-/// The law or mission of a name.
+/// The law or mission with a name.
 template <class Item>
 const Item& named(const std::vector<Item>& items, const std::string& name,
                   const std::string& where) {
@@ -409,16 +413,16 @@ const Item& named(const std::vector<Item>& items, const std::string& name,
 
 CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
                      const std::string& where) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  constexpr std::uint32_t kMax = std::numeric_limits<std::int32_t>::max();
   CampaignPlan plan;
   plan.name = member(json, "name", where).get<std::string>();
   const Json& keep = member(json, "keep", where);
-  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMost, where)),
-               static_cast<int>(count_of(keep, "sample", 0, kMost, where))};
+  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMax, where)),
+               static_cast<int>(count_of(keep, "sample", 0, kMax, where))};
   Campaign& campaign = plan.campaign;
-  campaign.flights = count_of(json, "flights", 1, kMost, where);
+  campaign.flights = count_of(json, "flights", 1, kMax, where);
   plan.shards = count_of(json, "shards", 1, campaign.flights, where);
-  campaign.seed = count_of(json, "seed", 0, kMost, where);
+  campaign.seed = count_of(json, "seed", 0, kMax, where);
   campaign.uncertainty = uncertainty_of(member(json, "uncertainty", where), where);
   const Json& body = member(json, "vehicle", where);
   const Vehicle vehicle = parse_vehicle(member(body, "text", where).get<std::string>(),
@@ -470,8 +474,8 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
       internal::read_text_file((folder / kPlanHashName).string(), std::size_t{1} << 10);
   if (written != sha256(text) + "\n")
     throw InvalidInput(path,
-                       "was changed since it was written, expected it as it was; a changed "
-                       "campaign needs a folder of its own");
+                       "has been modified since it was written; restore it, or start the "
+                       "changed campaign in a new folder");
   try {
     check_inputs(json, folder, path);
     CampaignPlan plan = plan_of(json, folder, path);
@@ -480,8 +484,8 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
     return plan;
   } catch (const internal::JsonError&) {
     throw InvalidInput(path,
-                       "was changed since it was written: something in it is of another "
-                       "kind than `campaign init` writes");
+                       "has been modified since it was written: a value has another "
+                       "type than `campaign init` writes");
   }
 }
 

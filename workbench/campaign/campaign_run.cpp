@@ -23,12 +23,12 @@ void fly_campaign(const CampaignPlan& plan, const std::string& folder, std::size
                   const CampaignWatch& watch) {
   const CampaignFolder records = folder_of(plan, folder);
   const std::uint64_t all = plan.campaign.records();
-  std::uint64_t missing = all, before = 0;  // before: flown here, of earlier shards
+  std::uint64_t missing = all, before = 0;  // before: flown by this call in earlier shards
   for (std::uint32_t shard = 0; shard < plan.shards; ++shard)
     missing -= shard_state(records, shard).records;
   CampaignWatch of_shard = watch;
   of_shard.progress = [&](const CampaignProgress& shard) {
-    // A worker beside this one may have flown, or lost, some of them since.
+    // Another worker may have flown, or lost, some of them in the meantime.
     const std::uint64_t together = before + shard.flown;
     if (watch.progress) watch.progress({together, missing - std::min(missing, together), all});
   };

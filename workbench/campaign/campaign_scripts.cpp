@@ -25,8 +25,8 @@ std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
   const std::string place = shell_word(folder.string());
   const std::string slurm = fmt::format(
       "#!/bin/sh\n"
-      "# One job a shard: sbatch slurm.sh. A job that is stopped begins where it was; options of\n"
-      "# your cluster (--partition, --time, --cpus-per-task) go before the file's name.\n"
+      "# One job per shard: sbatch slurm.sh. A stopped job resumes where it was. Options of\n"
+      "# your cluster (--partition, --time, --cpus-per-task) go before the file name.\n"
       "#SBATCH --job-name={}\n"
       "#SBATCH --array=0-{}\n"
       "#SBATCH --requeue\n"
@@ -37,11 +37,10 @@ std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
       plan.name, plan.shards - 1, place);
   const std::string parallel = fmt::format(
       "#!/bin/sh\n"
-      "# As many shards at once as there are processors: parallel.sh. Further options go to "
+      "# Flies as many shards at once as there are processors. Options are passed to "
       "parallel:\n"
-      "# --sshlogin host1,host2 flies on those, where this folder has the same path. Called again "
-      "it\n"
-      "# flies what failed.\n"
+      "# --sshlogin host1,host2 uses these hosts, on which this folder must have the same path.\n"
+      "# A further call flies what failed.\n"
       "seq 0 {} | parallel --joblog {}/parallel.log --resume-failed \"$@\" \\\n"
       "  \"${{QUADTUNE:-quadtune}}\" campaign work {} --shard {{}} --threads 1\n",
       plan.shards - 1, place, place);

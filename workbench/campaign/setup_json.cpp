@@ -13,7 +13,8 @@
 namespace quadtune::internal {
 namespace {
 
-/// JSON has no word for numbers that are not finite; infinite ones mean "no limit" in settings.
+/// JSON has no representation of numbers that are not finite; infinity means "no limit" in
+/// settings.
 Json number_json(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
@@ -40,7 +41,7 @@ MamboPosition mambo_position(const std::string& name, const std::string& where) 
                                         name));
 }
 
-/// Writes each field that it is called with.
+/// Archive that writes the fields passed to it.
 struct Writing {
   Json& json;
 
@@ -57,7 +58,7 @@ struct Writing {
   }
 };
 
-/// Reads the same fields.
+/// Archive that reads the same fields.
 struct Reading {
   const Json& json;
   const std::string& where;
@@ -71,8 +72,7 @@ struct Reading {
       field = mambo_position(value.get<std::string>(), where);
     } else if constexpr (requires { field.size(); }) {
       if (!value.is_array() || static_cast<Eigen::Index>(value.size()) != field.size())
-        throw InvalidInput(
-            where, fmt::format("{} is no list of {} numbers, expected one", key, field.size()));
+        throw InvalidInput(where, fmt::format("{} is not a list of {} numbers", key, field.size()));
       for (Eigen::Index i = 0; i < field.size(); ++i)
         field(i) = number_of(value[static_cast<std::size_t>(i)]);
     } else {
@@ -93,7 +93,7 @@ void read_fields(const Json& json, const char* key, const std::string& where, Se
   Settings::each_field(Reading{fields, where}, settings);
 }
 
-/// Shows the plain fields of the parts of a setup that have no visitor of their own.
+/// Passes the plain fields of those parts of a setup that have no visitor of their own.
 template <class Archive, class Part>
 void each_field_of_safety(Archive&& archive, Part& safety) {
   archive("tilt", safety.tilt);
@@ -146,7 +146,7 @@ Json setup_to_json(const FlightSetup& setup) {
   each_field_of_safety(Writing{safety}, setup.safety);
   each_field_of_environment(Writing{environment}, setup.environment);
   for (const Limit& limit : setup.mission.limits)
-    limits[quadtune::name_of(limit.metric)] = number_json(limit.most);
+    limits[quadtune::name_of(limit.metric)] = number_json(limit.max);
   json["safety"] = safety;
   json["environment"] = environment;
   json["limits"] = limits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What decides a flight beside its vehicle, mission and law, as JSON and back to the same bits.
+/// The settings of a flight, except vehicle, mission and law, as JSON; exact to the bit.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace quadtune::internal {
 
-/// Every field of the setup but `vehicle`, `flown`, `mission` (except its limits, settling rule and
+/// All fields of the setup except `vehicle`, `flown`, `mission` (except its limits, settling rule
+/// and
 /// take-off), `controller`, `general_filter`, `seed`, `flight` and `log`.
 [[nodiscard]] Json setup_to_json(const FlightSetup& setup);
 
-/// Reads them back.
-/// @param setup  has the vehicle, mission, controller and general filter already
+/// The inverse of setup_to_json().
+/// @param setup  already has the vehicle, mission, controller and general filter
 /// @param where  for messages
-/// @throws InvalidInput, JsonError  for anything that setup_to_json() does not write
+/// @throws InvalidInput, JsonError  if the JSON is not an output of setup_to_json()
 void setup_from_json(const Json& json, const std::string& where, FlightSetup& setup);
 
 }  // namespace quadtune::internal

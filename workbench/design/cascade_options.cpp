@@ -17,7 +17,7 @@
 namespace quadtune {
 namespace {
 
-/// As messages have it.
+/// Formats a number for messages.
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 CascadeAxis axis_of(const std::string& name, const std::string& key) {
@@ -44,14 +44,14 @@ CascadeStructure structure_of(const std::string& word) {
   }
 }
 
-/// Calls `use` for "roll=40,x=2", and before that for all loops where a number stands alone.
+/// Calls `use` for each entry of "roll=40,x=2"; a number without a loop applies to all loops first.
 template <class Use>
 void each_axis(const std::string& text, const std::string& key, const char* what, const Use& use) {
   std::array<bool, kCascadeAxes> came{};
   const auto once = [&](CascadeAxis axis, double value) {
     if (std::exchange(came[index_of(axis)], true))
-      throw OptionError(
-          key, fmt::format("{} names loop '{}' twice, expected each once", key, to_string(axis)));
+      throw OptionError(key, fmt::format("{} has loop '{}' twice; expected each loop once", key,
+                                         to_string(axis)));
     use(axis, value);
   };
   for (const std::string& word : internal::comma_separated(text)) {
@@ -64,20 +64,20 @@ void each_axis(const std::string& text, const std::string& key, const char* what
     if (sign != std::string::npos)
       once(axis_of(word.substr(0, sign), key), value);
     else
-      for (const CascadeAxis axis : kAllCascadeAxes) use(axis, value);  // named ones follow
+      for (const CascadeAxis axis : kAllCascadeAxes) use(axis, value);  // named loops override it
   }
 }
 
 void read_sensor_delays(const std::string& text, CascadeSpecification& specification) {
-  const double most = kMostDelaySamples * specification.dt;
+  const double max = kMaxDelaySamples * specification.dt;
   each_axis(text, "sensor-delay", "seconds, 0 or more, or a list like roll=0.005,x=0.02",
             [&](CascadeAxis axis, double delay) {
-              if (delay > most)
+              if (delay > max)
                 throw OptionError(
                     "sensor-delay",
-                    fmt::format("sensor-delay of {} is {} s, expected no more than "
+                    fmt::format("sensor-delay of {} is {} s, expected at most "
                                 "{} samples, {} s",
-                                to_string(axis), number(delay), kMostDelaySamples, number(most)));
+                                to_string(axis), number(delay), kMaxDelaySamples, number(max)));
               specification.delay[index_of(axis)] = delay;
             });
 }
@@ -102,14 +102,14 @@ void read_integrals(const std::string& text, CascadeSpecification& specification
     bool& integral = specification.requirements[index_of(axis_of(name, "integral"))].integral;
     if (std::exchange(integral, true))
       throw OptionError("integral",
-                        fmt::format("integral names loop '{}' twice, expected each once", name));
+                        fmt::format("integral has loop '{}' twice; expected each loop once", name));
   }
 }
 
 void require_more_than_one(const std::string& key, const std::optional<double>& value) {
   if (value && !(*value > 1))
-    throw OptionError(key, fmt::format("{} is {}, expected more than 1 because an integral makes "
-                                       "it at least 1",
+    throw OptionError(key, fmt::format("{} is {}, expected more than 1, because with an integral "
+                                       "it is at least 1",
                                        key, number(*value)));
 }
 
@@ -123,9 +123,9 @@ CascadeSpecification cascade_specification(const CascadeOptions& options, const 
   }
   if (options.integrator) specification.method = method_of(*options.integrator);
   if (options.structure) specification.structure = structure_of(*options.structure);
-  if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kLongestLag))
+  if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kMaxLag))
     throw OptionError("motor-lag", fmt::format("motor-lag is {} s, expected 0 to {} s",
-                                               number(*options.motor_lag), number(kLongestLag)));
+                                               number(*options.motor_lag), number(kMaxLag)));
   specification.lag = options.motor_lag;
   read_sensor_delays(options.sensor_delay.value_or(""), specification);
   read_bandwidths(options.bandwidth.value_or(""), specification);

@@ -49,7 +49,7 @@ ChosenLaw cascade_by_loops(const Vehicle& vehicle, const std::string& words) {
   return law;
 }
 
-/// Of the wrench's components at the first member of the family, a hover at 1.1 m.
+/// Margins at the components of the wrench, for the first member of the family, a hover at 1.1 m.
 MarginsReport margins_of(const FlownGains& gains, double dt) {
   MarginsReport report;
   report.dt = dt;
@@ -65,7 +65,7 @@ MarginsReport margins_of(const FlownGains& gains, double dt) {
 ChosenLaw designed_cascade(const FlightOptions& flight, const Vehicle& vehicle) {
   const std::string named = flight.vehicle.empty() ? vehicle.name : flight.vehicle;
   const std::string words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", named);
-  (void)cascade_vehicle(vehicle, vehicle.name);  // says why where it cannot hover
+  (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
   if (!usually_on_flown_plant(vehicle)) return cascade_by_loops(vehicle, words);
   FlownGainsOptions options;
   options.dt = usual_specification(vehicle).dt;
@@ -103,13 +103,14 @@ ChosenLaw designed_feedback(const Vehicle& vehicle, const std::string& who) {
   }
 }
 
-/// What is known by a word alone: gains designed or published.
+/// The law that a word selects: designed or published gains.
 ChosenLaw law_of_word(const FlightOptions& options, const Vehicle& vehicle, bool cascade,
                       const std::string& who) {
   if (options.controller == kFirmware)
-    throw OptionError("controller",
-                      "controller firmware needs gains, a file of `quadtune import -o` or an "
-                      "export of parameters; expected such a file");
+    throw OptionError(
+        "controller",
+        "controller firmware requires gains; expected a file of `quadtune import -o` or an "
+        "export of parameters");
   const bool designed = options.gains == "designed";
   if (cascade) return designed ? designed_cascade(options, vehicle) : published_cascade(vehicle);
   if (designed) return designed_feedback(vehicle, who);
@@ -118,26 +119,26 @@ ChosenLaw law_of_word(const FlightOptions& options, const Vehicle& vehicle, bool
                     "gains");
 }
 
-/// Whether the cascade of a file flies: what is asked for, or what there is. Of both the cascade of
-/// a design, as in its missions, and the state feedback of an export.
+/// Whether the cascade of a file flies: the requested law, or the only one. If there are both, it
+/// is the cascade for a design, as in its missions, and the state feedback for an export.
 bool flies_cascade(const GivenLaws& given, const FlightOptions& options) {
   const StoredLaws& laws = given.laws;
   if (options.controller.empty()) return laws.cascade && (!laws.gains || given.design.has_value());
   const bool cascade = options.controller == kCascadedPid;
   if (cascade ? !laws.cascade : !laws.gains)
-    throw InvalidInput(options.gains,
-                       cascade ? "holds a state feedback and no PID cascade, expected one"
-                               : "holds a PID cascade and no state feedback, expected one");
+    throw InvalidInput(options.gains, cascade ? "has a state feedback, but no PID cascade"
+                                              : "has a PID cascade, but no state feedback");
   return cascade;
 }
 
-/// Whether the loops of an autopilot fly: where the file has its parameters, unless something else
-/// is asked for.
+/// Whether the loops of an autopilot fly: if the file has its parameters, unless another law is
+/// requested.
 bool flies_firmware(const StoredLaws& laws, const FlightOptions& options) {
   if (options.controller == kFirmware && !laws.parameters)
-    throw InvalidInput(options.gains,
-                       "holds no parameters of an autopilot, expected what `quadtune import -o` or "
-                       "an export of parameters writes");
+    throw InvalidInput(
+        options.gains,
+        "has no parameters of an autopilot; expected a file of `quadtune import -o` or "
+        "of an export of parameters");
   return laws.parameters && (options.controller.empty() || options.controller == kFirmware);
 }
 
@@ -156,8 +157,7 @@ ChosenLaw law_of_parameters(const StoredLaws& laws, const Vehicle& vehicle,
 
 ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) {
   if (options.controller == kCascadedPid)
-    throw InvalidInput(options.gains,
-                       "is a gain schedule of a state feedback and no PID cascade, expected one");
+    throw InvalidInput(options.gains, "is a gain schedule of a state feedback, not a PID cascade");
   GainSchedule schedule = read_schedule(options.gains);
   require_vehicle({schedule.vehicle, {}, {}}, vehicle, options.gains);
   const Eigen::Index points = schedule.size();

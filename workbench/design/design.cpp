@@ -24,7 +24,8 @@
 namespace quadtune {
 namespace {
 
-/// Entry by entry over K and K_int. Each row has its own unit, so it is its own scale.
+/// Largest difference over the entries of K and K_int, relative to their row, which has its own
+/// unit.
 class DifferenceSearch {
  public:
   explicit DifferenceSearch(Eigen::VectorXd row_scale) : row_scale_(std::move(row_scale)) {}
@@ -36,7 +37,7 @@ class DifferenceSearch {
         const double scale = row_scale_(i);
         const double difference = std::abs(here(i, j) - published(i, j));
         worst_.max_relative = std::max(worst_.max_relative, difference / scale);
-        // Entries that are zero up to rounding carry no relative difference.
+        // Skip entries that are zero up to rounding: their relative difference is meaningless.
         if (std::abs(published(i, j)) < 1e-9 * scale) continue;
         const double relative = difference / std::abs(published(i, j));
         if (relative <= worst_.max_entry) continue;
@@ -66,7 +67,7 @@ PublishedDifference compare(const PublishedGains& published, const Gains& gains)
   return search.worst();
 }
 
-/// What messages call a design: its file, or its name where there is none.
+/// The name of a design in messages: its file, or its name if it has none.
 std::string place_of(const Design& design) {
   return design.file.empty() ? design.name : design.file.string();
 }
@@ -141,7 +142,7 @@ DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where
   return result;
 }
 
-/// Which law flies a mission, and that there is one.
+/// Sets the law that flies a mission, and checks that the design has it.
 void complete(MissionRequest& mission, const Design& design) {
   mission.controller = controller_kind(mission.controller);
   if (mission.controller.empty())
@@ -154,7 +155,7 @@ void complete(MissionRequest& mission, const Design& design) {
                                   internal::printable(mission.mission), mission.controller));
 }
 
-/// Gains designed on the flown plant, where that is the usual way and there are any.
+/// Gains designed on the flown plant if this is the default and a solution exists.
 std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double dt) {
   if (!usually_on_flown_plant(vehicle)) return std::nullopt;
   FlownGainsOptions options;
@@ -166,10 +167,10 @@ std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double 
   }
 }
 
-/// The cascade of `quadtune pid V`, with the period of `cascade`, which has no gains yet, and with
-/// the limits that `fly V` gives it where `cascade` has none.
+/// Computes the gains of `cascade` as `quadtune pid V` does, with its period. Limits that are not
+/// set get the values of `fly V`.
 void design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
-  (void)cascade_vehicle(vehicle, vehicle.name);  // says why where it cannot hover
+  (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
   CascadeController flown;
   if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt)) {
     cascade.gains = std::move(*gains);
@@ -215,11 +216,11 @@ DesignOutcome solve_laws(Design design) {
   const std::string where = place_of(outcome.design);
   if (outcome.design.lqr && outcome.design.lqi)
     throw InvalidInput(where,
-                       "the design has weights of the ideal and of the flown plant, "
-                       "expected one, because it has one state feedback");
+                       "the design has weights for both the ideal and the flown plant; "
+                       "expected only one of them, because it has one state feedback");
   if (outcome.design.lqi && outcome.design.condition.kind != FlightKind::hover)
     throw InvalidInput(where, fmt::format("the trim is '{}', expected hover, because the flown "
-                                          "plant is one of hover",
+                                          "plant is that of a hover",
                                           to_string(outcome.design.condition.kind)));
   if (outcome.design.lqi && outcome.design.condition.yaw != 0)
     throw InvalidInput(where, fmt::format("the trim has the yaw {} rad, expected 0 because the "
@@ -282,7 +283,7 @@ DesignOutcome run_design(const std::filesystem::path& file) {
   return run_design(names_vehicle(word) ? usual_design(word) : load_design(file));
 }
 
-std::vector<std::string> doubtful_covariances(const Design& design) {
+std::vector<std::string> unconfirmed_covariances(const Design& design) {
   std::vector<std::string> doubts;
   const auto add = [&](const std::string& tuned, const std::string& filter,
                        const std::string& verdict) {

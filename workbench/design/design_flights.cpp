@@ -14,7 +14,7 @@
 namespace quadtune {
 namespace {
 
-/// A name that is no mission was written in the design.
+/// The mission of a request; an unknown name is an error in the design.
 Mission mission_of(const MissionRequest& request) {
   try {
     return load_mission(request.mission);
@@ -24,11 +24,11 @@ Mission mission_of(const MissionRequest& request) {
   }
 }
 
-/// Tuned covariances in place of the simulated estimator's own, for its own period.
+/// Replaces the covariances of the simulated estimator by tuned ones, converted to its period.
 void take_tuned_noise(const Design& design, FlightSetup& setup) {
   if (design.estimator && setup.estimator == EstimatorKind::uquad) {
     setup.uquad_filter.dt = control_period(setup);
-    take_noise(design.estimator->model, "design", setup.uquad_filter);
+    copy_noise(design.estimator->model, "design", setup.uquad_filter);
   }
   MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
   for (const KalmanDesign& filter : design.kalman) {
@@ -38,14 +38,14 @@ void take_tuned_noise(const Design& design, FlightSetup& setup) {
       estimator.altitude_Q = filter.Q(0, 0) * periods;
       estimator.altitude_R = filter.R(0, 0);
     } else if (filter.name == "velocity") {
-      // It has one variance for both axes.
+      // This estimator has a single variance for both axes.
       estimator.velocity_Q = filter.Q.diagonal().mean() * periods;
       estimator.velocity_R = filter.R.diagonal().mean();
     }
   }
 }
 
-/// As it will fly, with the words of a mission's request.
+/// Plans the flight of a mission request.
 PlannedFlight plan_of(const DesignOutcome& outcome, const MissionRequest& request,
                       const Mission& mission, std::uint64_t seed) {
   const Design& design = outcome.design;
@@ -56,7 +56,7 @@ PlannedFlight plan_of(const DesignOutcome& outcome, const MissionRequest& reques
   options.flow = request.flow;
   options.wind = request.wind;
   options.seed = seed;
-  options.gains = design.file.string();  // for the commands of a diagnosis alone
+  options.gains = design.file.string();  // only for the commands of a diagnosis
   options.controller = request.controller;
   options.mission = request.mission;
   const bool cascade = request.controller == kCascadedPid;
@@ -81,7 +81,7 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
   PlannedFlight plan = plan_of(outcome, request, mission, seed);
   take_tuned_noise(outcome.design, plan.setup);
   FlownFlight flight = worst_of(fly_seeds(plan, seeds, stop));
-  if (keep_log) {  // of the flight that is shown alone
+  if (keep_log) {  // only for the flight that is shown
     std::vector<SeedVerdict> verdicts = std::move(flight.seeds);
     flight.plan.setup.log = true;
     flight = fly_planned(std::move(flight.plan), stop);
@@ -91,7 +91,7 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
   return flight;
 }
 
-/// A disturbed vehicle leaves its place; judged is that it flies on and comes back.
+/// Widens the limits, because a disturbed vehicle leaves its place; it must continue and return.
 void loosen(Mission& mission) {
   std::erase_if(mission.limits, [](const Limit& limit) {
     switch (limit.metric) {
@@ -112,7 +112,7 @@ void loosen(Mission& mission) {
       case Metric::height_peak:
       case Metric::yaw_max:
       case Metric::final_distance:
-        limit.most *= kDisturbedSlack;
+        limit.max *= kDisturbedSlack;
         break;
       default:
         break;
@@ -121,11 +121,11 @@ void loosen(Mission& mission) {
 
 void add_gust(PlannedFlight& plan) {
   FlightSetup& setup = plan.setup;
-  if (!feels_wind(setup.vehicle))
+  if (!has_aerodynamics(setup.vehicle))
     plan.notes.push_back(
         fmt::format("the file of '{}' has no drag: the gust does not move it", setup.vehicle.name));
   Gust& gust = setup.environment.wind.gust;
-  if (!gust.velocity.isZero(0)) return;  // the mission has its own
+  if (!gust.velocity.isZero(0)) return;  // the mission has its own gust
   gust.velocity = Eigen::Vector3d(kGustSpeed, kGustSpeed, 0) / std::sqrt(2.0);
   gust.length = kGustLength;
   gust.start = duration_of(setup) / 2;
@@ -133,7 +133,7 @@ void add_gust(PlannedFlight& plan) {
   plan.wind = plan.wind == "calm" ? words : plan.wind + " and " + words;
 }
 
-/// A step of the weight, of which neither law nor estimator is told.
+/// Adds a step of the weight that neither law nor estimator knows about.
 void add_load(FlightSetup& setup) {
   const double half = duration_of(setup) / 2;
   std::vector<FlightEvent>& events = setup.mission.events;
@@ -159,7 +159,7 @@ std::string program_estimator(const Design& design) {
   for (const EstimatorKind kind :
        {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::general, EstimatorKind::truth})
     if (asked_for(kind) && feed_estimator(sensors, to_string(kind))) return to_string(kind);
-  // A matrix is optimized with the estimator of the program whose words it has.
+  // A matrix is optimized with the estimator of the program of its convention.
   if (design.lqi && design.lqi->matrix)
     return estimator_of_program(design.vehicle, design.lqi->matrix->convention);
   return "";
@@ -170,7 +170,7 @@ std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome, std::uint64
   std::vector<FlownFlight> flights;
   for (const MissionRequest& request : outcome.design.missions) {
     const Mission mission = mission_of(request);
-    // Ideal sensors test a law as in a textbook, which no gust is part of.
+    // A flight with ideal sensors is a textbook test, without gusts.
     if (request.sensors == "ideal") continue;
     if (std::holds_alternative<MotorTest>(mission.kind) ||
         std::holds_alternative<Carried>(mission.kind))
@@ -179,7 +179,7 @@ std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome, std::uint64
       PlannedFlight plan = plan_of(outcome, request, mission, seed);
       take_tuned_noise(outcome.design, plan.setup);
       loosen(plan.setup.mission);
-      plan.widened.clear();  // of other limits than these
+      plan.widened.clear();  // they belong to the original limits
       if (gust)
         add_gust(plan);
       else
@@ -195,15 +195,15 @@ std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome, std::uint64
 std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_t seed,
                                       bool keep_logs, const std::function<bool()>& stop,
                                       std::uint32_t seeds) {
-  // Each leaves a page of its name.
+  // Each mission writes a page with its name.
   std::vector<Mission> missions;
   for (const MissionRequest& request : outcome.design.missions) {
     missions.push_back(mission_of(request));
     for (std::size_t i = 0; i + 1 < missions.size(); ++i)
       if (missions[i].name == missions.back().name)
         throw InvalidInput(request.where,
-                           fmt::format("a second mission has the name '{}', expected another name "
-                                       "because each leaves a page of its name",
+                           fmt::format("two missions have the name '{}'; expected distinct names, "
+                                       "because each writes a page with its name",
                                        internal::printable(missions[i].name)));
   }
   std::vector<FlownFlight> flights;

@@ -16,7 +16,7 @@ std::string to_string(DesignFailure failure) {
     case DesignFailure::mission:
       return "a mission failed";
     case DesignFailure::verification:
-      return "what was written does not verify";
+      return "the written files do not verify";
   }
   return "";
 }
@@ -31,7 +31,7 @@ DesignFailure failure_of(const DesignOutcome& outcome, const std::vector<Written
 }
 
 std::vector<std::string> reasons_against_export(const DesignOutcome& outcome) {
-  std::vector<std::string> reasons = doubtful_covariances(outcome.design);
+  std::vector<std::string> reasons = unconfirmed_covariances(outcome.design);
   const DesignFailure failure = failure_of(outcome, {});
   if (failure != DesignFailure::none) reasons.push_back(to_string(failure));
   return reasons;

@@ -53,7 +53,7 @@ ExportContent export_content(const DesignOutcome& outcome) {
   for (const DesignedFilter& designed : outcome.filters) content.filters.push_back(designed.filter);
   if (design.estimator) {
     UquadFilterSettings<double> settings = uquad_filter_in_si<double>();
-    take_noise(design.estimator->model, design.file.string(), settings);
+    copy_noise(design.estimator->model, design.file.string(), settings);
     content.uquad_filter = uquad_diagonals(settings);
   }
   content.cascade = design.cascade;
@@ -68,10 +68,10 @@ ExportContent export_content(const DesignOutcome& outcome) {
   if (content.estimator && content.estimator->name == "uquad" && design.estimator) {
     content.estimator->uquad = uquad_filter_in_si<double>();
     content.estimator->uquad->dt = dt;
-    take_noise(design.estimator->model, design.file.string(), *content.estimator->uquad);
+    copy_noise(design.estimator->model, design.file.string(), *content.estimator->uquad);
   }
   content.versions = library_versions();
-  // What was made in memory has no bytes to be known again by.
+  // A design in memory has no bytes by which it could be identified later.
   if (!design.file.empty())
     content.inputs.push_back({design.file.filename().string(), design.text});
   if (!design.vehicle.text.empty())

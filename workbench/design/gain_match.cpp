@@ -9,7 +9,7 @@ GivenGainMatch match_given_gains(const Gains& given, const LinearVehicle& plant,
                                  const LqrDesign& design, const GainMatchOptions& options,
                                  const std::string& path) {
   if ((design.R.diagonal().array() == 0).any())
-    throw OptionError("R", "R has a 0, expected more because R shall be > 0");
+    throw OptionError("R", "R has a 0; expected positive entries");
   GivenGainMatch found{in_order_of(given, plant.vehicle, design, path), {}};
   try {
     found.match = match_gains(plant.model.plant, design, found.gains.K, found.gains.K_int, options);

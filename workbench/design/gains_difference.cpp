@@ -16,9 +16,10 @@ LawsDifference diff_laws(const std::string& first, const std::string& second) {
   const bool gains = a.gains && b.gains;
   const bool cascade = a.cascade && b.cascade;
   if (!gains && !cascade)
-    throw InvalidInput(second, fmt::format("holds a {} and {} a {}, expected laws of one kind",
-                                           b.gains ? "state feedback" : "PID cascade", first,
-                                           a.gains ? "state feedback" : "PID cascade"));
+    throw InvalidInput(second,
+                       fmt::format("has a {}, but {} has a {}; expected laws of the same kind",
+                                   b.gains ? "state feedback" : "PID cascade", first,
+                                   a.gains ? "state feedback" : "PID cascade"));
   LawsDifference difference;
   if (a.gains.has_value() != b.gains.has_value() || a.cascade.has_value() != b.cascade.has_value())
     difference.left_out = gains ? "PID cascade" : "state feedback";

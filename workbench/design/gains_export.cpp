@@ -26,7 +26,7 @@ namespace quadtune {
 
 namespace {
 
-/// What rounding to a firmware's numbers does to the margins of the cascade.
+/// Reports how rounding to a firmware's numbers changes the margins of the cascade.
 std::string margins_changed(const ExportContent& before, const ExportContent& after) {
   const auto margins = [](const ExportContent& content) {
     return assess_written_cascade(content.vehicle, content.cascade->gains, content.cascade->method,
@@ -43,8 +43,8 @@ std::string margins_changed(const ExportContent& before, const ExportContent& af
   return text;
 }
 
-/// The turns as the firmware flies them: with its filters and delays.
-/// @throws NoSolution  where one is unstable
+/// Reports the rotation loops with the filters and delays of the firmware.
+/// @throws NoSolution  if a loop is unstable
 std::string turns_on_board(const ExportContent& content, ExportKind kind) {
   const Firmware target =
       firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
@@ -55,22 +55,21 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
   for (const FirmwareTurn& turn : firmware_turns(target, content.vehicle, values)) {
     const double phase = turn.whole.phase_margin * 180 / std::numbers::pi;
     if (!turn.whole.stable)
-      throw NoSolution(
-          fmt::format("{}: {} is unstable with the filters and the delay of {} {}, "
-                      "nothing was written; a slower design (pid V --bandwidth) leaves "
-                      "room for them",
-                      content.vehicle.name, to_string(turn.gains.axis), kind.name(),
-                      target.version),
-          content.vehicle.name);
+      throw NoSolution(fmt::format("{}: {} is unstable with the filters and the delay of {} {}, "
+                                   "nothing was written; use a slower design "
+                                   "(pid V --bandwidth)",
+                                   content.vehicle.name, to_string(turn.gains.axis), kind.name(),
+                                   target.version),
+                       content.vehicle.name);
     text += fmt::format(" {} phase {:.1f} deg, Ms {:.2f};", to_string(turn.gains.axis), phase,
                         turn.whole.Ms);
-    constexpr double kLeastPhase = 20, kGreatestMs = 3;
-    weak = weak || phase < kLeastPhase || turn.whole.Ms > kGreatestMs;
+    constexpr double kMinPhase = 20, kMaxMs = 3;
+    weak = weak || phase < kMinPhase || turn.whole.Ms > kMaxMs;
   }
   text.pop_back();
   return text +
-         (weak ? ". WARNING: too little to fly; a slower design (pid V --bandwidth) or filters "
-                 "of a higher cut-off leave more"
+         (weak ? ". WARNING: too little to fly; use a slower design (pid V --bandwidth) or filters "
+                 "with a higher cut-off"
                : "");
 }
 
@@ -113,8 +112,8 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
     const Eigen::Index points = content.schedule->size();
     const Eigen::Index none = points - content.schedule->solved_count();
     if (none == 0) return {};
-    return {fmt::format("{} of {} points have no gain; the program's status says where one counts",
-                        none, points)};
+    return {fmt::format("{} of {} points have no gain; the program's status reports them", none,
+                        points)};
   }
   if (exporter.target.is_firmware) {
     const ExportContent before = content;
@@ -133,19 +132,18 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   if (kind.name() == "c" && !adapter.empty() && adapter != "main")
     notes.push_back(
         fmt::format("the estimate is that of the firmware of '{}': the program does not "
-                    "include the estimator with which the law was judged",
+                    "include the estimator with which the law was evaluated",
                     adapter));
   else if (kind.name() == "c" && included_estimator(content.estimator, adapter).empty())
     notes.emplace_back(
-        "the gains name no estimator: the program takes the estimate from its caller");
+        "the gains name no estimator: the program expects the estimate from its caller");
   if (!content.gains || !(content.gains->dt > 0)) return notes;
   const VerifyModel model = model_of(content.vehicle, *content.gains);
   content.plant = model.plant;
-  // The flight program's K*.txt have no trim.
+  // The flight program's K*.txt do not contain a trim.
   if (!content.gains->u0.isZero(0)) return notes;
   content.gains->u0 = model.u0;
-  notes.push_back(
-      fmt::format("the gains come without a trim; that of {} is taken", content.vehicle.name));
+  notes.push_back(fmt::format("the gains have no trim; that of {} is used", content.vehicle.name));
   return notes;
 }
 

@@ -17,13 +17,13 @@ namespace quadtune {
 namespace {
 
 Gains published_gains(const Design& design, const std::string& path) {
-  const LqrDesign& lqr = *design.lqr;  // [published] stands beside [lqr] only
+  const LqrDesign& lqr = *design.lqr;  // [published] requires [lqr]
   const PublishedGains& published = *design.published;
   if (published.K.rows() != std::ssize(lqr.inputs))
     throw InvalidInput(
         path,
         fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
-                    "weights are found from the whole gain",
+                    "weights are computed from the whole gain",
                     published.K.rows(), lqr.inputs.size(), internal::joined(lqr.inputs, " ")));
   Gains gains;
   gains.K = published.K;
@@ -42,10 +42,10 @@ Gains published_gains(const Design& design, const std::string& path) {
   return gains;
 }
 
-/// A schedule is flown as it is; every other use is of one law.
+/// Rejects a schedule: it can be flown, but other uses require a single law.
 void refuse_schedule(const std::string& path) {
   if (is_schedule(path) || holds_schedule(path))
-    throw InvalidInput(path, "holds gains of many flights, expected those of one law");
+    throw InvalidInput(path, "has gains for many trims; expected those of one law");
 }
 
 std::vector<std::string> names_of(const std::vector<Signal>& signals) {
@@ -59,12 +59,12 @@ void require_same(const std::vector<std::string>& have, const std::vector<std::s
                   const std::string& what, const std::string& path) {
   if (std::is_permutation(have.begin(), have.end(), want.begin(), want.end())) return;
   throw InvalidInput(path,
-                     fmt::format("the gains have the {} '{}', expected '{}' as the problem "
-                                 "has, because a gain has no meaning without its others",
+                     fmt::format("the gains have the {} '{}', expected '{}' as in the "
+                                 "problem",
                                  what, internal::joined(have, " "), internal::joined(want, " ")));
 }
 
-/// Columns of M, named by `from`, in the order of `to`.
+/// Columns of M, named by `from`, reordered to the target order.
 Eigen::MatrixXd ordered(const Eigen::MatrixXd& M, const std::vector<Signal>& from,
                         const std::vector<std::string>& to, const std::string& what,
                         const std::string& path) {
@@ -91,7 +91,7 @@ GivenLaws read_given_laws(const std::string& path) {
     if (outcome.cascade) given.laws.cascade->gains = outcome.cascade->cascade.gains;
   }
   if (!given.laws.gains && !given.laws.cascade)
-    throw InvalidInput(path, "holds no control law, expected a state feedback or a PID cascade");
+    throw InvalidInput(path, "has no control law; expected a state feedback or a PID cascade");
   return given;
 }
 
@@ -107,7 +107,7 @@ GivenGains read_given_gains(const std::string& path) {
   const Design design = load_design(path);
   if (design.published) return {published_gains(design, path), design};
   if (!has_feedback(design))
-    throw InvalidInput(path, "has no [lqr], expected one, because its gains are asked for");
+    throw InvalidInput(path, "has no [lqr]; it is required because its gains are requested");
   return {*solve_laws(design).gains, design};
 }
 

@@ -15,7 +15,7 @@
 namespace quadtune {
 namespace {
 
-/// The margins of each estimate that the law reads, all others closed.
+/// The margins at each estimate that the law reads, with all others closed.
 MarginsReport margins_at_estimates(const PlannedFlight& plan, const FlownLoopOptions& at) {
   const DiscreteLti law = flown_law(plan.setup);
   const FlownPlant plant = flown_plant(plan.setup, plant_options(plan.setup, at));
@@ -34,12 +34,12 @@ MarginsReport margins_at_estimates(const PlannedFlight& plan, const FlownLoopOpt
   return report;
 }
 
-/// The smallest share of all channels.
+/// The smallest share over all channels.
 double share_of(const FlownLoop& loop, const FlownMargins& asked) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const LoopMargins& margins : loop.margins.loops)
-    least = std::min(least, quadtune::share_of(margins, asked));
-  return loop.grows() ? 0 : least;
+    min = std::min(min, quadtune::share_of(margins, asked));
+  return loop.grows() ? 0 : min;
 }
 
 GeneralFilterSettings with_noise(GeneralFilterSettings settings, double factor) {
@@ -48,14 +48,15 @@ GeneralFilterSettings with_noise(GeneralFilterSettings settings, double factor) 
   return settings;
 }
 
-/// Tries more noise of the filter, and takes what has the largest margins within the budget.
-/// @param plan  gets the filter that was chosen
+/// Tries more noise in the filter, and selects the largest margins within the noise budget.
+/// @param plan  receives the chosen filter
 void recover(LqgReport& report, PlannedFlight& plan, const LqgOptions& options,
              const FlownLoopOptions& at) {
   if (plan.estimator != "general" || !plan.setup.real_sensors)
-    throw OptionError("recover", fmt::format("recover came with the estimator {} and {} sensors, "
-                                             "expected the general filter and real sensors",
-                                             plan.estimator, plan.sensors));
+    throw OptionError("recover",
+                      fmt::format("recover does not support the estimator {} with {} sensors; "
+                                  "expected the general filter and real sensors",
+                                  plan.estimator, plan.sensors));
   const GeneralFilterSettings settings = general_filter_settings(plan.setup);
   const FlownMargins& asked = options.design.margins;
   const Eigen::VectorXd usual = predicted_rms(plan, options.time, at).command;
@@ -79,7 +80,7 @@ void recover(LqgReport& report, PlannedFlight& plan, const LqgOptions& options,
     const auto chosen =
         std::find_if(report.recoveries.begin(), report.recoveries.end(),
                      [&](const Recovery& recovery) { return recovery.factor == report.recovery; });
-    // A thousandth more margin is worth no noise.
+    // An improvement of the margins by 0.1 % does not justify more noise.
     if (tried.affordable && tried.share > 1.001 * chosen->share) {
       report.recovery = factor;
       best = loop;
@@ -98,13 +99,14 @@ std::vector<std::string> messages_of(const LqgReport& report, bool recovering) {
   const std::string& estimator = report.lqi.flown.estimator;
   if (estimator != "general" && estimator != "truth")
     messages.push_back(
-        fmt::format("note: the deviations are linear; flights agree with them with the general "
-                    "filter, with the estimator {} they may be larger",
+        fmt::format("note: the deviations are predicted by a linear model, which agrees with "
+                    "flights with the general "
+                    "filter; with the estimator {} they may be larger",
                     estimator));
   if (recovering && report.recovery == 1)
     messages.emplace_back(
-        "note: no other noise of the filter has larger margins within the budget; what limits them "
-        "is the delay of the loop");
+        "note: no other filter noise gives larger margins within the budget; they are limited by "
+        "the delay of the loop");
   return messages;
 }
 

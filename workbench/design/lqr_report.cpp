@@ -31,12 +31,12 @@ bool is_singular(const Eigen::MatrixXd& R) {
   return eigenvalues.minCoeff() <= 1e-15 * eigenvalues.maxCoeff();
 }
 
-/// What takes about a second, with a note of what that leaves out.
+/// The evidence that takes about a second, with a note about what was omitted.
 MarginsEvidence affordable(Eigen::Index states, Eigen::Index channels, Messages& messages) {
   const MarginsEvidence evidence = affordable_evidence(states, channels);
   if (evidence != MarginsEvidence::full)
     messages.push_back(fmt::format(
-        "note: {} left out, since with {} states and {} inputs it would take more than about "
+        "note: {} omitted, because with {} states and {} inputs it would take more than about "
         "a second; --evidence full computes all",
         evidence == MarginsEvidence::none ? "the margins are"
                                           : "the disk margin of all loops at once is",
@@ -44,7 +44,7 @@ MarginsEvidence affordable(Eigen::Index states, Eigen::Index channels, Messages&
   return evidence;
 }
 
-/// The flown loop of gains that were designed without what flies.
+/// The flown loop of gains that were designed for the ideal plant.
 std::optional<FlownLoop> flown_loop_of(const VehicleLqrReport& report, Messages& messages) {
   if (report.gains.states.size() != 12 || !has_flown_loop(report.plant.model.trim)) return {};
   try {

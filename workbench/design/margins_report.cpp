@@ -14,9 +14,9 @@
 namespace quadtune {
 namespace {
 
-constexpr double kLeastGain = 6;    ///< [dB]
-constexpr double kLeastPhase = 30;  ///< [deg]
-constexpr double kLeastDelay = 1;   ///< [samples]
+constexpr double kMinGain = 6;    ///< [dB]
+constexpr double kMinPhase = 30;  ///< [deg]
+constexpr double kMinDelay = 1;   ///< [samples]
 
 double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
@@ -49,11 +49,11 @@ MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> name
 MarginsEvidence affordable_evidence(Eigen::Index states, Eigen::Index channels) {
   const auto n = static_cast<double>(states);
   const auto m = static_cast<double>(channels);
-  // The grid has some twenty frequencies for each pole of the open and of the closed loop.
+  // The grid has about twenty frequencies per pole of the open and of the closed loop.
   const double frequencies = 250 + 40 * n;
   const double one_at_a_time = m * (frequencies * 2 * n * n + 100 * n * n * n);
   const double all_at_once = frequencies * (n * n * m + 30 * m * m * m);
-  constexpr double kAffordable = 4e8;  // products of complex numbers
+  constexpr double kAffordable = 4e8;  // complex multiplications
   if (one_at_a_time > kAffordable) return MarginsEvidence::none;
   return one_at_a_time + all_at_once > kAffordable ? MarginsEvidence::essential
                                                    : MarginsEvidence::full;
@@ -97,14 +97,13 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
     }
     const double up = decibels(m.gain_margin);
     const double down = -decibels(m.gain_reduction);
-    if (up < kLeastGain)
-      warn(fmt::format("gain margin {:.1f} dB, less than {} dB", up, kLeastGain));
-    if (down < kLeastGain)
-      warn(fmt::format("gain may fall by {:.1f} dB only, less than {} dB", down, kLeastGain));
-    if (degrees(std::abs(m.phase_margin)) < kLeastPhase)
+    if (up < kMinGain) warn(fmt::format("gain margin {:.1f} dB, less than {} dB", up, kMinGain));
+    if (down < kMinGain)
+      warn(fmt::format("gain may decrease by only {:.1f} dB, less than {} dB", down, kMinGain));
+    if (degrees(std::abs(m.phase_margin)) < kMinPhase)
       warn(fmt::format("phase margin {:.1f} deg, less than {} deg", degrees(m.phase_margin),
-                       kLeastPhase));
-    if (report.dt > 0 && m.delay_margin < kLeastDelay * report.dt)
+                       kMinPhase));
+    if (report.dt > 0 && m.delay_margin < kMinDelay * report.dt)
       warn(fmt::format("delay margin {:.2f} ms, less than a sample of {:.2f} ms",
                        1e3 * m.delay_margin, 1e3 * report.dt));
   }

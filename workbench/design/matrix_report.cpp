@@ -24,7 +24,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Weights by Bryson's rule, or those that the design gives.
+/// Weights by Bryson's rule, or those of the design.
 StandardAxes weights_of(const Vehicle& vehicle, const LqiDesign& design) {
   StandardAxes axes = standard_axes(vehicle);
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -37,7 +37,7 @@ StandardAxes weights_of(const Vehicle& vehicle, const LqiDesign& design) {
       throw InvalidInput(
           vehicle.name,
           fmt::format("the weights of {0} and of its integral are {1:g} and {2:g}, expected more "
-                      "than 0 because a gain of given structure answers both",
+                      "than 0, because a gain with this structure uses both",
                       design.integrals[i], weights.q(0), weights.q_integral));
   }
   return axes;
@@ -48,35 +48,36 @@ void require(const Vehicle& vehicle, const LqiDesign& design) {
     throw InvalidInput(vehicle.name, came + ", expected " + expected);
   };
   if (design.past || design.R_change)
-    refuse("a law that is a matrix came with past commands or weights of changes",
-           "none because it does not remember its commands");
+    refuse("a matrix law was given past commands or weights of changes",
+           "none, because it has no memory of its commands");
   if (design.integrals != standard_integrals())
-    refuse(fmt::format("the integrals of a law that is a matrix are '{}'",
+    refuse(fmt::format("the integrals of a matrix law are '{}'",
                        internal::joined(design.integrals, " ")),
            fmt::format("{}", internal::joined(standard_integrals(), " ")));
 }
 
-/// Entries that only rounding of the maps has made.
+/// Removes entries that result only from rounding in the maps.
 void drop_rounding(MatrixXd& K) {
   constexpr double kRounding = 1e-12;
   for (Index i = 0; i < K.rows(); ++i) {
-    const double least = kRounding * K.row(i).cwiseAbs().maxCoeff();
+    const double min = kRounding * K.row(i).cwiseAbs().maxCoeff();
     for (Index j = 0; j < K.cols(); ++j)
-      if (std::abs(K(i, j)) < least) K(i, j) = 0;
+      if (std::abs(K(i, j)) < min) K(i, j) = 0;
   }
 }
 
-/// @param estimator  that was asked for; empty: none
+/// @param estimator  the requested estimator; empty: none
 std::vector<std::string> matrix_messages(const MatrixReport& report, const std::string& estimator) {
   std::vector<std::string> messages;
   if (!report.estimator && !estimator.empty())
     messages.push_back(fmt::format(
-        "note: no file of gains holds the estimator '{0}': fly them with --estimator {0}",
+        "note: gain files cannot contain the estimator '{0}': fly these gains with --estimator {0}",
         estimator));
   if (report.gains.axes == PositionAxes::world)
     messages.emplace_back(
-        "note: the law sees the position error in world axes, as its flight program does: a "
-        "heading off north takes its angle from the phase of the position loops");
+        "note: the law uses the position error in world axes, as its flight program does: a "
+        "deviation of the heading from north reduces the phase margin of the position loops by its "
+        "angle");
   for (std::string& text : flown_messages(report.design.notes, report.flown))
     messages.push_back(std::move(text));
   return messages;
@@ -84,7 +85,7 @@ std::vector<std::string> matrix_messages(const MatrixReport& report, const std::
 
 }  // namespace
 
-Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& words) {
+Gains describe(const Gains& gains, const Vehicle& vehicle, const MatrixConvention& words) {
   if (gains.memory)
     throw InvalidInput(vehicle.name,
                        "the law feeds back its past commands, expected a matrix on the states");
@@ -97,7 +98,7 @@ Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& wo
   const Linearization wrench = linearize_or_refuse(vehicle, {}, options, vehicle.name);
   options.inputs = words.input_kind;
   const Linearization inputs = linearize_or_refuse(vehicle, {}, options, vehicle.name);
-  // B_inputs δu = B_wrench δw for every δu, hence δw = M δu; the inverse gives the least δu.
+  // B_inputs δu = B_wrench δw for every δu, hence δw = M δu; the inverse gives the minimum-norm δu.
   const MatrixXd M = wrench.plant.B.completeOrthogonalDecomposition().solve(inputs.plant.B);
   const MatrixXd back = M.completeOrthogonalDecomposition().pseudoInverse();
   result.K = back * result.K;
@@ -113,7 +114,7 @@ Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& wo
 MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
                            const FlightOptions& flight, const FlownLoopOptions& at) {
   require(vehicle, design);
-  const MatrixWords words = design.matrix.value_or(MatrixWords{});
+  const MatrixConvention words = design.matrix.value_or(MatrixConvention{});
   FlightOptions flown = flight;
   if (flown.estimator.empty()) flown.estimator = estimator_of_program(vehicle, words.convention);
   FlownGainsOptions options;
@@ -127,8 +128,8 @@ MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
   report.design = flown_gains(vehicle, options);
   Gains gains = as_state_feedback(report.design, vehicle, design.dt);
   gains.axes = PositionAxes::world;
-  report.gains = in_words(gains, vehicle, words);
-  // As of other gains, quadtune's own words come with what quadtune's own law can do.
+  report.gains = describe(gains, vehicle, words);
+  // quadtune's own convention supports the features of quadtune's own law, as for other gains.
   if (words.convention == "ned") keep_near_hover(vehicle, report.gains);
   report.flown = flown_loop(hover_under(vehicle, report.gains, flown), at);
   report.ideal = margins_report(

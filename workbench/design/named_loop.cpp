@@ -44,27 +44,28 @@ bool is_stable(const Eigen::MatrixXd& closed, bool discrete) {
   return discrete ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
 }
 
-/// Of matrices that nobody declared: what they are taken for, with a warning where that looks wrong
-/// because the loop is stable only when they are the other kind.
+/// Describes the assumed meaning of undeclared matrices, with a warning if it looks wrong because
+/// the loop is stable only with the other meaning.
 std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool discrete) {
   const Eigen::MatrixXd closed = plant.A - plant.B * K;
   const bool looks_wrong = !is_stable(closed, discrete) && is_stable(closed, !discrete);
   if (!discrete)
-    return looks_wrong ? "warning: A and B are taken as continuous, but A - B K is stable only if "
-                         "they are discrete: --discrete --dt T takes them so"
+    return looks_wrong ? "warning: A and B are assumed continuous, but A - B K is stable only if "
+                         "they are discrete: declare this with --discrete --dt T"
                        : "";
-  const std::string taken = "A and B are taken as discrete because of --dt";
+  const std::string taken = "A and B are assumed discrete because of --dt";
   if (const std::string why = why_not_sampled(plant.A); !looks_wrong && !why.empty())
     return fmt::format(
-        "warning: {}, but A {}, which no plant that is sampled without delays has: --sampled DT "
-        "takes them as continuous, --discrete says that they are discrete",
+        "warning: {}, but A {}, which is impossible for a plant sampled without delays: --sampled "
+        "DT "
+        "declares them continuous, --discrete declares them discrete",
         taken, why);
   return looks_wrong
              ? "warning: " + taken +
-                   ", but A - B K is stable only if they are continuous: --sampled DT takes "
-                   "them so, with the input held"
+                   ", but A - B K is stable only if they are continuous: --sampled DT declares "
+                   "them continuous, with the input held"
              : "note: " + taken +
-                   "; --discrete says so, --sampled DT takes them as continuous, with the "
+                   "; --discrete declares this, --sampled DT declares them continuous, with the "
                    "input held";
 }
 
@@ -82,7 +83,7 @@ NamedLoop vehicle_loop(const FlightOptions& options, double delay) {
   const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
     throw InvalidInput(options.gains,
-                       "the gains have no sample period; expected one because the "
+                       "the gains have no sample period; it is required because the "
                        "flown loop is sampled");
   const VerifyModel model = model_of(vehicle, gains);
   return {OpenLoop(delayed(open_loop(model.plant, gains), delay)),
@@ -93,12 +94,12 @@ FlownLoop flown_vehicle_loop(FlightOptions flight, const std::string& controller
                              const FlownLoopOptions& at) {
   flight.controller = controller;
   const PlannedFlight plan = plan_flight(flight, "margins");
-  const double most = kMostDelayPeriods * control_period(plan.setup);
-  if (at.command_delay > most * (1 + 1e-9))
+  const double max = kMaxDelayPeriods * control_period(plan.setup);
+  if (at.command_delay > max * (1 + 1e-9))
     throw OptionError("delay",
                       fmt::format("delay is {:.6g} s, expected at most {:.6g} s, {} samples, "
                                   "because each delayed sample is a state of the loop",
-                                  at.command_delay, most, kMostDelayPeriods));
+                                  at.command_delay, max, kMaxDelayPeriods));
   return flown_loop(plan, at);
 }
 
@@ -110,10 +111,10 @@ int whole_samples(double delay, double dt) {
     throw OptionError("delay", fmt::format("delay is {:.6g} s, expected a whole number of samples "
                                            "of {:.6g} s because the loop is discrete",
                                            delay, dt));
-  constexpr double kMost = 2000;
-  if (samples > kMost)
+  constexpr double kMax = 2000;
+  if (samples > kMax)
     throw OptionError("delay",
-                      fmt::format("delay is {:.6g} samples, expected at most {}", samples, kMost));
+                      fmt::format("delay is {:.6g} samples, expected at most {}", samples, kMax));
   return static_cast<int>(std::round(samples));
 }
 

@@ -13,13 +13,14 @@ void keep_near_hover(const Vehicle& vehicle, Gains& gains) {
       state_feedback_settings(vehicle, gains, gains.dt > 0 ? gains.dt : kAnyPeriod, {});
   gains.axes = PositionAxes::heading;
   gains.limits.conditional_integration = true;
-  // Roll answers py and pitch px. At rest K_p e + K_angle angle = 0 in the torque of the axis.
+  // Roll responds to py and pitch to px. At rest K_p e + K_angle angle = 0 in the torque of the
+  // axis.
   constexpr int kPx = 0, kPy = 1, kRoll = 3, kPitch = 4;
   for (const auto& [position, angle] : {std::pair(kPx, kPitch), std::pair(kPy, kRoll)}) {
     const double of_position = law.K.col(position).norm(), of_angle = law.K.col(angle).norm();
     if (of_position > 0 && of_angle > 0)
       gains.limits.position_error =
-          std::min(gains.limits.position_error, kMostCommandedTilt * of_angle / of_position);
+          std::min(gains.limits.position_error, kMaxCommandedTilt * of_angle / of_position);
   }
 }
 

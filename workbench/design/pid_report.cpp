@@ -18,7 +18,7 @@
 namespace quadtune {
 namespace {
 
-/// Gains, and how they were found, in words.
+/// Gains with a description of their method.
 struct Found {
   PidGains gains;
   std::string how;
@@ -27,7 +27,7 @@ struct Found {
 const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "cohen-coon",
                                          "lambda"};
 
-/// As messages have it.
+/// Formats a number for messages.
 std::string short_number(double value) { return fmt::format("{:.6g}", value); }
 
 Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& request,
@@ -54,7 +54,7 @@ Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& re
 template <class Model>
 Model require_fitted(const LagFit<Model>& fit) {
   if (!fit.fitted())
-    throw NoSolution("pid: the rule needs a model of one lag and a delay: " + fit.culprit,
+    throw NoSolution("pid: the rule requires a first-order model with delay: " + fit.culprit,
                      "--rule");
   return fit.model;
 }
@@ -64,7 +64,7 @@ std::string model_text(const FopdtModel& model) {
                      short_number(model.time_constant));
 }
 
-/// SIMC keeps a second lag for its PID, as its half rule gives it.
+/// SIMC uses a second lag for its PID, according to its half rule.
 Found by_simc(const ContinuousTransferFunction& plant, PidType type,
               const std::optional<double>& tau_c) {
   if (type == PidType::PID) {
@@ -77,7 +77,7 @@ Found by_simc(const ContinuousTransferFunction& plant, PidType type,
                         short_number(used))};
   }
   if (type != PidType::PI)
-    throw OptionError("type", "rule simc has PI and PID, expected one of them as --type");
+    throw OptionError("type", "rule simc supports PI and PID; expected one of them as --type");
   const LagFit<FopdtModel> half = half_rule_fopdt(plant);
   const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
   const double used = tau_c.value_or(model.delay);
@@ -92,7 +92,7 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
         "rule", fmt::format("rule is '{}', expected one of {}{}", rule,
                             internal::joined(kRules, ", "), internal::did_you_mean(rule, kRules)));
   if (asked.tau_c && rule != "simc" && rule != "lambda")
-    throw OptionError("tau-c", "tau-c belongs to the rules simc and lambda, expected none");
+    throw OptionError("tau-c", "tau-c is only for the rules simc and lambda");
   if (asked.tau_c) require_positive_option("tau-c", *asked.tau_c, "seconds");
   if (rule == "simc") return by_simc(plant, type, asked.tau_c);
   const FopdtModel model = require_fitted(fit_fopdt(plant));
@@ -109,16 +109,14 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
 Found by_bounds(const ContinuousTransferFunction& plant, const PidRequest& request,
                 const PidBounds& bounds) {
   if (request.type != PidType::PI && request.type != PidType::PID)
-    throw OptionError("type",
-                      "Ms-max asks for the greatest integral gain, expected --type PI or PID");
-  const PidOptimum optimum = greatest_integral_gain(plant, request.type, bounds, request.Tf);
+    throw OptionError("type", "Ms-max maximizes the integral gain; expected --type PI or PID");
+  const PidOptimum optimum = max_integral_gain(plant, request.type, bounds, request.Tf);
   if (!optimum.solved())
     throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
                      "--Ms-max");
-  return {
-      optimum.gains,
-      fmt::format("{} of the greatest Ki; bound by {}", to_string(request.type),
-                  optimum.binding.empty() ? "nothing" : internal::joined(optimum.binding, ", "))};
+  return {optimum.gains,
+          fmt::format("{} with maximum Ki; active bounds: {}", to_string(request.type),
+                      optimum.binding.empty() ? "none" : internal::joined(optimum.binding, ", "))};
 }
 
 Found found_for(const ContinuousTransferFunction& plant, const PidRequest& request) {

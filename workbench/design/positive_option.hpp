@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Options that are positive numbers.
+/// Validates options that are positive numbers.
 #pragma once
 
 #include <fmt/format.h>

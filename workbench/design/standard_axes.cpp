@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kIntegralTime = 3;  ///< [s] an integral of this time at a limit costs 1
+constexpr double kIntegralTime = 3;  ///< [s] an integral over this time at the limit costs 1
 
 AxisWeights axis_weights(const CascadeVehicle& hover, const Vehicle& vehicle, FlownAxis axis) {
   const std::vector<Index>& states = states_of(axis);
@@ -27,7 +27,7 @@ AxisWeights axis_weights(const CascadeVehicle& hover, const Vehicle& vehicle, Fl
   weights.q = all.Q.diagonal()(states);
   weights.q_integral = weights.q(0) / (kIntegralTime * kIntegralTime);
   weights.r = all.R(input, input);
-  // A step of half a metre or radian, and a blow that leaves half a metre or one radian a second.
+  // A step of 0.5 m or rad, and an impulse that leaves 0.5 m or 1 rad per second.
   weights.step = 0.5;
   weights.impulse = input == 0 ? 0.5 * vehicle.mass : vehicle.inertia(input - 1, input - 1);
   return weights;
@@ -71,9 +71,9 @@ ActuatorLqiWeights lqi_weights(const StandardAxes& axes,
     const auto found = std::find_if(states.begin(), states.end(),
                                     [&](const Signal& state) { return state.name == name; });
     if (found == states.end())
-      throw InvalidInput(
-          "LQI weights",
-          fmt::format("no state '{}' to integrate, expected some of: {}", name, names(states)));
+      throw InvalidInput("LQI weights",
+                         fmt::format("no state '{}' to integrate; expected one or more of: {}",
+                                     name, names(states)));
     const Index state = found - states.begin();
     weights.Q_integral(i, i) = weights.Q(state, state) / (kIntegralTime * kIntegralTime);
   }

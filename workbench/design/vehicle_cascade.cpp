@@ -16,7 +16,7 @@
 namespace quadtune {
 namespace {
 
-/// The first option that only the rules of the loops take; empty where none is set.
+/// The first set option that only the loop-by-loop rules accept; empty if none is set.
 std::string option_of_loops(const CascadeOptions& options) {
   const std::pair<const char*, bool> all[] = {{"Ms-max", options.Ms_max.has_value()},
                                               {"bandwidth", options.bandwidth.has_value()},
@@ -31,21 +31,21 @@ std::string option_of_loops(const CascadeOptions& options) {
   return "";
 }
 
-/// Whether the textbook plant is asked for, on which the loops are designed one by one.
+/// Whether the textbook plant is requested, for which the loops are designed one by one.
 bool asks_for_ideal_plant(const CascadeOptions& options) {
   if (options.plant.empty() || asks_for_flown_plant(options.plant)) return false;
   if (options.method == "flown")
     throw OptionError("method",
-                      "method flown came with --plant ideal, expected --method loops, which "
-                      "knows of no sensors and no estimator");
+                      "method flown does not support --plant ideal; expected --method loops, which "
+                      "ignores sensors and estimator");
   if (options.motor_lag)
     throw OptionError("motor-lag",
-                      "motor-lag came with --plant ideal, expected none because rotors of the "
-                      "textbook plant do not lag");
+                      "motor-lag does not apply to --plant ideal, because rotors of the "
+                      "textbook plant have no lag");
   return true;
 }
 
-/// Whether all gains are designed at once on the flown plant, or loop by loop.
+/// Whether all gains are designed at once on the flown plant, instead of loop by loop.
 bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicle) {
   const std::string& method = options.method;
   if (!method.empty() && method != "loops" && method != "flown")
@@ -55,8 +55,7 @@ bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicl
   if (asks_for_ideal_plant(options) || method == "loops") return false;
   const std::string of_loops = option_of_loops(options);
   if (method.empty()) return usually_on_flown_plant(vehicle) && of_loops.empty();
-  if (!of_loops.empty())
-    throw OptionError(of_loops, of_loops + " belongs to --method loops, expected it");
+  if (!of_loops.empty()) throw OptionError(of_loops, of_loops + " requires --method loops");
   return true;
 }
 
@@ -131,7 +130,7 @@ std::vector<std::string> notes_of(const VehicleCascade& cascade) {
   add("note: ", flown_notes(loop));
   add("note: ", margin_notes(loop.margins));
   if (loop.grows())
-    notes.push_back(fmt::format("warning: the flown loop is unstable; {}{}", in_words(loop),
+    notes.push_back(fmt::format("warning: the flown loop is unstable; {}{}", describe(loop),
                                 cascade.ideal
                                     ? "; without --plant ideal the design includes the rotors' "
                                       "lag, the sensors and the estimator"

@@ -18,7 +18,7 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   const Design& design = outcome.design;
   const std::string file = design.file.string();
   if (design.exports.empty())
-    throw InvalidInput(file, "has no [[export]], expected one because of -o");
+    throw InvalidInput(file, "has no [[export]]; it is required because of -o");
   ExportContent content = export_content(outcome);
   content.forced = reasons_against_export(outcome);
   std::vector<InputAtHand> inputs;
@@ -29,7 +29,7 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
     content.firmware = request.firmware;
     const ExportKind kind = export_kind(request.to, file);
     (void)export_files(kind, content);
-    // Other programs have nothing to say that the design did not ask for.
+    // Only these programs change the design.
     const bool adapts = export_target(request.to, file).is_firmware || request.to == "c";
     ExportContent adapted = content;
     notes.push_back(adapts ? adapt_to_program(adapted, kind) : std::vector<std::string>());

@@ -53,7 +53,7 @@ bool is_calibration(const std::string& text) {
   }
 }
 
-/// @throws InvalidInput  for what is no text, or is no TOML though nothing else fits
+/// @throws InvalidInput  if the file is not text, or is not valid TOML although no other kind fits
 std::optional<FileKind> kind_of_file(const fs::path& path) {
   const std::string name = path.extension().string();
   if (name == ".mat" || name == ".ulg") return FileKind::log;
@@ -63,7 +63,7 @@ std::optional<FileKind> kind_of_file(const fs::path& path) {
   if (first == std::string::npos) return std::nullopt;
   if (text[first] == '{') return kind_of_json(text);
   if (text.starts_with("# quadtune-log")) return FileKind::log;
-  // What the Mambo project has beside its gains.
+  // Files of the Mambo project next to its gains.
   if (path.filename() == "vehicleVars.m" || path.filename() == "estimatorVars.m" ||
       path.filename() == "sensorsVars.m")
     return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<FileKind> file_kind(const fs::path& path) {
     return fs::exists(path / kPlanName, ignored) ? std::optional(FileKind::campaign_folder)
                                                  : std::nullopt;
   }
-  if (!fs::is_regular_file(path, ignored)) return std::nullopt;  // a pipe would be waited for
+  if (!fs::is_regular_file(path, ignored)) return std::nullopt;  // reading a pipe could block
   try {
     return kind_of_file(path);
   } catch (const InvalidInput&) {

@@ -11,7 +11,7 @@ namespace quadtune {
 
 namespace fs = std::filesystem;
 
-NearbyFiles nearby_files(const fs::path& path, std::size_t most) {
+NearbyFiles nearby_files(const fs::path& path, std::size_t max) {
   constexpr std::size_t kLooked = 10000;
   std::error_code error;
   NearbyFiles nearby;
@@ -36,10 +36,10 @@ NearbyFiles nearby_files(const fs::path& path, std::size_t most) {
                        name});
   }
   std::sort(entries.begin(), entries.end());
-  // Of another kind they would be noise.
+  // Names of another kind would only distract.
   if (!entries.empty() && !entries.front().other_kind)
     std::erase_if(entries, [](const Entry& entry) { return entry.other_kind; });
-  nearby.more = entries.size() > most ? entries.size() - most : 0;
+  nearby.more = entries.size() > max ? entries.size() - max : 0;
   for (std::size_t i = 0; i + nearby.more < entries.size(); ++i)
     nearby.names.push_back(entries[i].name);
   return nearby;

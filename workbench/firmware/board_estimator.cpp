@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimator of an autopilot's board: a general filter that runs more slowly than the loop of
-// the rates, on means of the readings that have come since.
+// The estimator of an autopilot board: a general filter that runs more slowly than the rate loop,
+// with the means of the samples since its last step.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,10 +12,10 @@
 namespace quadtune {
 namespace {
 
-/// About how often the filter runs [Hz].
+/// Approximate rate of the filter [Hz].
 constexpr double kFilterRate = 200;
 
-/// Sums up the fresh readings of an inertial sensor.
+/// Averages the fresh samples of an inertial sensor.
 struct MeanReading {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
@@ -25,7 +25,7 @@ struct MeanReading {
     sum += sample.value;
     ++count;
   }
-  /// Puts the mean into a sample, and begins anew.
+  /// Stores the mean in a sample, and restarts.
   void give(Sample<Eigen::Vector3d, double>& sample) {
     sample.fresh = count > 0;
     if (count > 0) sample.value = sum / count;
@@ -33,7 +33,7 @@ struct MeanReading {
   }
 };
 
-/// Marks a sample as fresh if one came since the filter ran last.
+/// Marks a sample as fresh if one arrived since the last step of the filter.
 template <class Value>
 void remember(Sample<Value, double>& sample, bool& came) {
   sample.fresh = std::exchange(came, false) || sample.fresh;
@@ -93,7 +93,7 @@ class BoardEstimator final : public FlightEstimator {
   Estimate<double> estimate_;
 };
 
-/// A reading in each sample of the board, with the density of the noise that the file gives.
+/// One sensor sample per sample of the board, with the noise density of the vehicle file.
 void read_each_sample(SensorFaults& faults, double rate) {
   faults.noise *= std::sqrt(rate / faults.rate);
   faults.rate = rate;
@@ -104,11 +104,12 @@ void read_each_sample(Sensors& sensors, double rate) {
   if (sensors.accelerometer) read_each_sample(*sensors.accelerometer, rate);
 }
 
-/// The settings of a filter that runs once in `every` samples.
+/// The settings of a filter that runs once every `every` samples.
 GeneralFilterSettings board_filter(FlightSetup setup, double dt, int every) {
   std::get<OwnController>(setup.controller).dt = dt * every;
   read_each_sample(setup.vehicle.sensors, 1 / (dt * every));
-  // Numbers of a file are of its period: what depends on that comes from the sensors.
+  // Numbers of a file belong to its period: values that depend on it are derived from the
+  // sensors.
   GeneralFilterSettings settings = general_filter_settings(setup);
   setup.general_filter.reset();
   const GeneralFilterSettings of_sensors = general_filter_settings(setup);
@@ -116,7 +117,7 @@ GeneralFilterSettings board_filter(FlightSetup setup, double dt, int every) {
   settings.gyroscope.variance = of_sensors.gyroscope.variance;
   settings.accelerometer.lag = of_sensors.accelerometer.lag;
   settings.accelerometer.variance = of_sensors.accelerometer.variance;
-  // The mean of some readings is that of their middle.
+  // The mean of several samples corresponds to their midpoint in time.
   settings.gyroscope.lag += 0.5 * (every - 1) * dt;
   settings.accelerometer.lag += 0.5 * (every - 1) * dt;
   validate(settings, "estimator general");
@@ -137,7 +138,7 @@ void fly_on_board(FlightSetup& setup) {
     setup.own_estimator = {
         "general", [settings, every, moves, sensors](const EstimatorStart& start) {
           GeneralFilterState<double> state = general_filter_start<double>(settings, start.state);
-          // Its offsets were found before the flight, as with the general filter of other laws.
+          // Its biases were estimated before the flight, as with the general filter of other laws.
           if (moves && sensors.gyroscope && sensors.accelerometer)
             set_biases<double>(
                 state, sensors.gyroscope->bias.cwiseQuotient(settings.gyroscope.scale),

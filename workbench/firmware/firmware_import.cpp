@@ -33,19 +33,20 @@ FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const Fir
   return turn;
 }
 
-/// What a cascade of PidLoops has no place for.
+/// Notes about parts of a loop that a cascade of PidLoops cannot represent.
 void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
   if (const double D = turn.gains.derivative(); D != 0)
     notes.push_back(fmt::format(
-        "{}: D acts as {:.3g} kg m^2 more inertia, {:.0f} % of the vehicle's: it is in the margins "
-        "of this table and in flights, and not in the cascade, which other verbs take",
+        "{}: D acts as {:.3g} kg m^2 of additional inertia, {:.0f} % of the vehicle's: it is "
+        "included in the margins "
+        "of this table and in flights, but not in the cascade, which other commands use",
         to_string(turn.gains.axis), D, 100 * D / turn.inertia));
   if (turn.gains.double_integral() != 0)
-    notes.push_back(
-        fmt::format("{}: both of its controllers integrate: the product of the two "
-                    "integrals is in the margins of this table and in flights, and not in the "
-                    "cascade, which other verbs take",
-                    to_string(turn.gains.axis)));
+    notes.push_back(fmt::format(
+        "{}: both of its controllers have an integral: the product of the two "
+        "integrals is included in the margins of this table and in flights, but not in the "
+        "cascade, which other commands use",
+        to_string(turn.gains.axis)));
 }
 
 void note_hover(const Firmware& firmware, const Vehicle& vehicle, const ParameterFile& file,
@@ -57,8 +58,8 @@ void note_hover(const Firmware& firmware, const Vehicle& vehicle, const Paramete
       constexpr double kTold = 0.1;
       if (std::abs(parameter.value / expected - 1) > kTold)
         notes.push_back(
-            fmt::format("{} is {:.3g} and the vehicle file gives {:.3g}: if the first was "
-                        "learned in flight, the vehicle's thrust or mass is off",
+            fmt::format("{} is {:.3g}, but the vehicle file gives {:.3g}: if the former was "
+                        "learned in flight, the vehicle's thrust or mass is wrong",
                         name, parameter.value, expected));
     }
 }
@@ -98,15 +99,17 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   result.turns = firmware_turns(firmware, vehicle, values);
   if (firmware.kind == FirmwareKind::ardupilot)
     result.notes.emplace_back(
-        "altitude: the firmware's loop of the vertical acceleration is in flights; the cascade, "
-        "which other verbs take, has it as ideal, though it gives about half of what is asked for "
-        "at once: the height is damped less than there");
+        "altitude: flights include the firmware's loop of the vertical acceleration; the cascade, "
+        "which other commands use, assumes that it is ideal, although it initially gives about "
+        "half of the requested "
+        "acceleration: in flight, the height is damped less");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
     if (!loop.flies && pilot.loops.empty()) {
       pilot = vehicle_cascade(vehicle, {}, vehicle.name).content.cascade->gains;
       result.notes.emplace_back(
-          "x, y and altitude are the pilot's: those of `quadtune pid V` take their place");
+          "x, y and altitude are controlled by the pilot: the loops of `quadtune pid V` are used "
+          "instead");
     }
   }
   if (file) {

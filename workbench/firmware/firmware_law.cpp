@@ -22,11 +22,11 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kGravity = 9.80665;  // [m/s²] that firmware computes with
+constexpr double kGravity = 9.80665;  // [m/s²] assumed by the firmware
 
-/// A low pass as firmware computes it: of first order y += dt/(dt + 1/(2πf)) (x - y), of second
-/// order the bilinear transform of Butterworth's, which leaves cut-offs above half of the sample
-/// rate out. It starts at its first value.
+/// A low pass as implemented by firmware: first order y += dt/(dt + 1/(2πf)) (x - y), second order
+/// the bilinear transform of a Butterworth filter, which ignores cut-offs above half of the sample
+/// rate. It starts at its first input.
 class DiscreteLowPass {
  public:
   DiscreteLowPass(const internal::LowPass& filter, double dt) : order_(filter.order) {
@@ -78,15 +78,16 @@ class FilterChain {
   std::vector<DiscreteLowPass> chain_;
 };
 
-/// What a firmware limits in one loop.
+/// Limits of one loop.
 struct LoopLimits {
-  double outer_integral = kInfinite;  ///< of its part of the target
+  double outer_integral = kInfinite;  ///< of its contribution to the target
   double target_min = -kInfinite, target_max = kInfinite;
-  double integral = kInfinite;  ///< of its part of the output [output]
+  double integral = kInfinite;  ///< of its contribution to the output [output]
   double output = kInfinite;    ///< [output]
 };
 
-/// One loop: an outer controller of the value gives the target of an inner one of its rate.
+/// One loop: an outer controller of the value computes the target of an inner controller of its
+/// rate.
 class FirmwareAxis {
  public:
   FirmwareAxis() = default;
@@ -96,7 +97,7 @@ class FirmwareAxis {
     reset();
   }
 
-  /// As when the firmware is switched into a mode that flies this loop.
+  /// Resets the state as when the firmware is switched to a mode that uses this loop.
   void reset() {
     outer_integral_ = integral_ = target_ = measured_ = differentiated_ = 0;
     started_ = false;
@@ -109,7 +110,8 @@ class FirmwareAxis {
 
   /// The outer controller.
   /// @param forward  added to the target: the rate of the reference
-  /// @param blocked  as of drive(): a pilot does not add up errors that the vehicle cannot answer
+  /// @param blocked  as in drive(): a pilot does not integrate errors that the vehicle cannot
+  ///                 correct
   void aim(double error, double forward = 0, double blocked = 0) {
     target_ = std::clamp(
         loop_.outer * error + outer_integral_ - loop_.outer_derivative * measured_ + forward,
@@ -122,8 +124,8 @@ class FirmwareAxis {
   void set_target(double target) { target_ = target; }
 
   /// The inner controller, in SI units.
-  /// @param blocked  the sign of the output that cannot grow: the integral does not grow in it
-  /// @param stands   on the ground, where the integral would only wind up
+  /// @param blocked  sign in which the output cannot grow; the integral does not grow in this sign
+  /// @param stands   whether the vehicle is on the ground, where the integral would only wind up
   [[nodiscard]] double drive(double rate, double blocked, bool stands = false) {
     measured_ = rate_filter_(rate);
     const double target = target_filter_(target_);
@@ -147,28 +149,28 @@ class FirmwareAxis {
   internal::LoopFilters filters_;
   double outer_dt_ = 0, inner_dt_ = 0;
   double outer_integral_ = 0, integral_ = 0, target_ = 0;
-  double measured_ = 0;        ///< the rate behind its filters
-  double differentiated_ = 0;  ///< what D differentiates, one sample ago
+  double measured_ = 0;        ///< the filtered rate
+  double differentiated_ = 0;  ///< previous input of D
   bool started_ = false;
   FilterChain rate_filter_{{}, 1}, derivative_filter_{{}, 1}, error_filter_{{}, 1},
       target_filter_{{}, 1}, output_filter_{{}, 1};
 };
 
-/// What a firmware does beside its loops.
+/// Properties of a firmware besides its loops.
 struct FirmwareHabits {
-  double tilt = 0;           ///< greatest that is asked for [rad]
-  double speed = kInfinite;  ///< greatest horizontal one that is asked for [m/s]
-  /// Whether position and velocity are controlled to the north and east, and tilt and speed limited
-  /// as vectors; otherwise along and across the heading, each by itself.
+  double tilt = 0;           ///< maximum tilt set point [rad]
+  double speed = kInfinite;  ///< maximum horizontal speed set point [m/s]
+  /// Whether position and velocity are controlled along north and east, with tilt and speed limited
+  /// as vectors; otherwise along and across the heading, each limited separately.
   bool in_world = false;
   bool velocity_forward = false;   ///< whether the velocity of the reference is added to the target
   bool tilt_compensation = false;  ///< whether the thrust is divided by the cosine of the tilt
-  bool guards = true;              ///< whether integrals stop where the motors are at their limits
+  bool guards = true;              ///< whether integrals stop while the motors saturate
   double mass = 0;                 ///< [kg]
-  double weight = 0;               ///< thrust that is fed forward [N]
-  double least_thrust = 0;         ///< [N]
-  /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m], of its integral, the
-  /// limit of that [N], and the low pass of the error [Hz].
+  double weight = 0;               ///< feed-forward thrust [N]
+  double min_thrust = 0;           ///< [N]
+  /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m] and per integral of
+  /// it, the limit of the integral's part [N], and the low pass of the error [Hz].
   struct Acceleration {
     double P = 0, I = 0, integral = 0, cutoff = 0;
   };
@@ -204,14 +206,14 @@ FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
       break;
     }
     case FirmwareKind::betaflight:
-      habits.tilt = 0.5;  // the pilot's
+      habits.tilt = 0.5;  // limit of the pilot
       habits.velocity_forward = true;
       break;
     case FirmwareKind::crazyflie:
       habits.tilt = std::min(value("posCtlPid.rLimit"), value("posCtlPid.pLimit")) * kDegree;
       habits.guards = false;
       habits.weight = scale.thrust * value("posCtlPid.thrustBase");
-      habits.least_thrust = scale.thrust * value("posCtlPid.thrustMin");
+      habits.min_thrust = scale.thrust * value("posCtlPid.thrustMin");
       break;
   }
   return habits;
@@ -280,21 +282,21 @@ LoopLimits betaflight_limits(CascadeAxis axis, const ParameterValues& value) {
 }
 
 LoopLimits crazyflie_limits(const FirmwareLoop& loop, const ParameterValues& value) {
-  // Of velocities: 1.1 times the parameter.
+  // For velocities: 1.1 times the parameter.
   constexpr double kOverhead = 1.1;
   LoopLimits limits;
   const bool yaw = loop.axis == CascadeAxis::yaw;
   switch (loop.axis) {
     case CascadeAxis::roll:
     case CascadeAxis::pitch:
-    case CascadeAxis::yaw:  // of the integrals of the errors: deg s and deg
+    case CascadeAxis::yaw:  // limits of the integrals of the errors: deg s and deg
       limits.outer_integral = loop.outer_integral * (yaw ? 360 : 20) * kDegree;
       limits.integral = loop.I * (yaw ? 166.7 : 33.3) * kDegree;
       limits.output = 32767;
       return limits;
     case CascadeAxis::altitude:
       limits.target_max = kOverhead * value("posCtlPid.zVelMax");
-      limits.output = 32.767;  // thousands of the unit of thrust
+      limits.output = 32.767;  // in thousands of the thrust unit
       break;
     case CascadeAxis::x:
     case CascadeAxis::y:
@@ -321,7 +323,8 @@ LoopLimits limits_of(const Firmware& firmware, const FirmwareLoop& loop,
   return {};
 }
 
-/// A pilot's loop in the same form: with |Kd| as P, Kp/|Kd| outside and Ki/|Kd| as its integral.
+/// A pilot's loop in the same form: |Kd| as P, Kp/|Kd| as the outer gain and Ki/|Kd| as its
+/// integral.
 FirmwareLoop pilots_loop(CascadeAxis axis, const CascadeGains& pilot) {
   FirmwareLoop result;
   result.axis = axis;
@@ -336,12 +339,12 @@ FirmwareLoop pilots_loop(CascadeAxis axis, const CascadeGains& pilot) {
   return result;
 }
 
-/// Everything that is set once.
+/// All constants of the law.
 struct FirmwareSettings {
-  double dt = 0;  ///< of the rates [s]
+  double dt = 0;  ///< period of the rate loop [s]
   int attitude_every = 1, position_every = 1;
   FirmwareHabits habits;
-  CascadedPidSettings<double> frame;  ///< its thrusts
+  CascadedPidSettings<double> frame;  ///< for its thrusts
   std::array<FirmwareAxis, kCascadeAxes> axes;
 };
 
@@ -366,7 +369,7 @@ FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& par
   for (FirmwareLoop loop : firmware_loops(firmware, vehicle, parameters.values)) {
     const bool turns = internal::turns(loop.axis);
     if (!loop.flies) loop = pilots_loop(loop.axis, pilot);
-    // A heading that the firmware does not hold is the pilot's to hold.
+    // The pilot holds the heading if the firmware does not.
     if (loop.axis == CascadeAxis::yaw && loop.outer == 0 && loop.outer_integral == 0)
       loop.outer = pilots_loop(loop.axis, pilot).outer;
     const double position_dt = settings.dt * settings.position_every;
@@ -378,8 +381,8 @@ FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& par
   return settings;
 }
 
-/// An angle within half a turn.
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+/// Wraps an angle to half a turn in either direction.
+double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 class FirmwareLaw final : public FlightLaw {
  public:
@@ -403,7 +406,7 @@ class FirmwareLaw final : public FlightLaw {
     return now;
   }
 
-  void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
+  void on_realized(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
     if (!s_.habits.guards) return;
     constexpr double kRounding = 1e-9;
     for (int i = 0; i < 4; ++i) {
@@ -417,7 +420,7 @@ class FirmwareLaw final : public FlightLaw {
                                                         CascadeAxis::yaw};
   FirmwareAxis& axis(CascadeAxis which) { return s_.axes[index_of(which)]; }
 
-  /// Position and velocity: what tilt and thrust they ask for.
+  /// Position and velocity loops: compute the set points of tilt and thrust.
   void steer(const StateVector<double>& x, const Reference<double>& reference, bool takes_off) {
     if (takes_off) {
       for (const CascadeAxis which : {CascadeAxis::x, CascadeAxis::y, CascadeAxis::altitude})
@@ -437,7 +440,7 @@ class FirmwareLaw final : public FlightLaw {
     if (!takes_off) lift(x, velocity, reference);
   }
 
-  /// The horizontal plane, along its axes by FirmwareHabits::in_world.
+  /// Horizontal position and velocity, in the axes selected by FirmwareHabits::in_world.
   void steer_level(const StateVector<double>& x, const Eigen::Vector3d& velocity,
                    const Reference<double>& reference) {
     const FirmwareHabits& habits = s_.habits;
@@ -469,17 +472,17 @@ class FirmwareLaw final : public FlightLaw {
                         : Eigen::Vector2d(tilt.cwiseMax(-habits.tilt).cwiseMin(habits.tilt));
     tilted_out_ = tilt - limited;
     const Eigen::Vector2d ahead = habits.in_world ? Eigen::Vector2d(to_heading * limited) : limited;
-    pitch_ = -ahead(0);  // nose down, which is negative, to go ahead
+    pitch_ = -ahead(0);  // forward requires nose down, which is negative
     roll_ = ahead(1);
   }
 
-  /// A vector of that length at most.
+  /// Limits the length of a vector.
   static Eigen::Vector2d within(const Eigen::Vector2d& v, double length) {
     const double norm = v.norm();
     return norm > length ? Eigen::Vector2d(v * (length / norm)) : v;
   }
 
-  /// The thrust. Down is positive in the loop and negative in the thrust.
+  /// Computes the thrust. Down is positive in the loop and negative in the thrust.
   void lift(const StateVector<double>& x, const Eigen::Vector3d& velocity,
             const Reference<double>& reference) {
     FirmwareAxis& altitude = axis(CascadeAxis::altitude);
@@ -491,12 +494,12 @@ class FirmwareLaw final : public FlightLaw {
     const double tilt = std::cos(x(3)) * std::cos(x(4));
     const double share = s_.habits.tilt_compensation ? std::max(tilt, 0.5) : 1.0;
     const double asked = (s_.habits.weight - force) / share;
-    thrust_ = std::clamp(asked, s_.habits.least_thrust, s_.frame.greatest_thrust);
+    thrust_ = std::clamp(asked, s_.habits.min_thrust, s_.frame.max_thrust);
     lifted_out_ = asked - thrust_;
   }
 
-  /// What ArduPilot's loop of the acceleration makes of a force that is asked for. The acceleration
-  /// is the slope of the estimated velocity, which may stand for some samples.
+  /// The response of ArduPilot's acceleration loop to a requested force. The acceleration is the
+  /// slope of the estimated velocity, which may be constant for some samples.
   [[nodiscard]] double by_acceleration(double force, double speed, double blocked) {
     const FirmwareHabits::Acceleration& loop = *s_.habits.acceleration;
     const double dt = s_.dt * s_.position_every;
@@ -518,24 +521,25 @@ class FirmwareLaw final : public FlightLaw {
     return result;
   }
 
-  /// Angles: what rates they ask for.
+  /// Angle loops: compute the set points of the rates.
   void aim_turns(const StateVector<double>& x, const Reference<double>& reference) {
     axis(CascadeAxis::roll).aim(roll_ - x(3));
     axis(CascadeAxis::pitch).aim(pitch_ - x(4));
-    axis(CascadeAxis::yaw).aim(wrapped(reference.yaw - x(5)));
+    axis(CascadeAxis::yaw).aim(wrap_angle(reference.yaw - x(5)));
   }
 
   FirmwareSettings s_;
   long count_ = 0;
   bool started_ = false;
-  double roll_ = 0, pitch_ = 0, thrust_ = 0;  // asked of the inner loops
+  double roll_ = 0, pitch_ = 0, thrust_ = 0;  // set points of the inner loops
   Eigen::Vector4d late_ = Eigen::Vector4d::Zero();
-  Eigen::Vector4d excess_ = Eigen::Vector4d::Zero();      // asked less made
-  Eigen::Vector2d tilted_out_ = Eigen::Vector2d::Zero();  // of the tilt, beyond its limit
-  double lifted_out_ = 0;                                 // of the thrust, beyond its limits
+  Eigen::Vector4d excess_ = Eigen::Vector4d::Zero();  // requested minus produced
+  Eigen::Vector2d tilted_out_ =
+      Eigen::Vector2d::Zero();  // excess of the tilt set point over its limit
+  double lifted_out_ = 0;       // excess of the thrust set point over its limits
   struct Acceleration {
     std::optional<double> speed;  // the newest estimate
-    int samples = 0;              // for which it stands
+    int samples = 0;              // number of samples since it changed
     double measured = 0, integral = 0;
     std::optional<FilterChain> filter;
   };

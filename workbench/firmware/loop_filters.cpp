@@ -8,7 +8,7 @@
 namespace quadtune::internal {
 namespace {
 
-/// A cut-off of 0 switches a filter off.
+/// A cut-off of 0 disables a filter.
 LowPasses filter_of(int order, double cutoff_Hz) {
   if (!(cutoff_Hz > 0)) return {};
   return {{order, cutoff_Hz}};
@@ -26,7 +26,7 @@ LoopFilters px4_filters(CascadeAxis axis, const ParameterValues& value) {
     filters.derivative = filter_of(1, kVelocityDerivative);
     return filters;
   }
-  // The firmware leaves a cut-off above half of its rate out.
+  // The firmware ignores a cut-off above half of its rate.
   if (2 * value("IMU_GYRO_CUTOFF") < value("IMU_GYRO_RATEMAX"))
     filters.rate = filter_of(2, value("IMU_GYRO_CUTOFF"));
   filters.derivative = filter_of(1, value("IMU_DGYRO_CUTOFF"));
@@ -59,15 +59,15 @@ LoopFilters ardupilot_filters(CascadeAxis axis, const ParameterValues& value) {
 
 LoopFilters betaflight_filters(CascadeAxis axis, const ParameterValues& value) {
   if (!turns(axis)) return {};
-  // Where a cut-off moves with the throttle, its lower end.
+  // If a cut-off depends on the throttle, its lower end is used.
   const auto first = [&](const std::string& name) {
-    const double least = value(name + "_dyn_min_hz");
-    return filter_of(1, least > 0 ? least : value(name + "_static_hz"));
+    const double min = value(name + "_dyn_min_hz");
+    return filter_of(1, min > 0 ? min : value(name + "_static_hz"));
   };
   LoopFilters filters;
   filters.rate = series(first("gyro_lpf1"), filter_of(1, value("gyro_lpf2_static_hz")));
   filters.derivative = series(first("dterm_lpf1"), filter_of(1, value("dterm_lpf2_static_hz")));
-  // Of P alone; the integral's is too slow to notice.
+  // Acts on P only; its effect on the integral is negligible.
   if (axis == CascadeAxis::yaw) filters.error = filter_of(1, value("yaw_lowpass_hz"));
   return filters;
 }
@@ -107,7 +107,7 @@ LoopRates loop_rates(const Firmware& firmware, const ParameterValues& value) {
       return {rate, rate, rate};
     }
     case FirmwareKind::betaflight:
-      return {4000, 4000, 250};  // of the usual boards; the pilot's loops as kFirmwarePeriod
+      return {4000, 4000, 250};  // of common boards; loops of the pilot run with kFirmwarePeriod
     case FirmwareKind::crazyflie:
       return {500, 500, 100};
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What surrounds the gains in a firmware's loops: its filters, and how often it computes them.
-/// Sources: docs/bibliography.md, "Firmware".
+/// Filters and sample rates of a firmware's loops. Sources: docs/bibliography.md, "Firmware".
 #pragma once
 
 #include <vector>
@@ -15,26 +14,26 @@ struct LowPass {
   double cutoff = 0;  ///< [Hz], > 0
 };
 
-/// Filters in series; none: the signal passes as it is.
+/// Filters in series; empty: the signal is not filtered.
 using LowPasses = std::vector<LowPass>;
 
 /// The filters of one loop.
 struct LoopFilters {
-  LowPasses rate;        ///< of the measured rate, for P, I and D
-  LowPasses derivative;  ///< of D, in addition to those of the signal that D differentiates
-  LowPasses error;       ///< of the error of the rate, for P and I, and for D where it acts on it
-  LowPasses target;      ///< of the rate that the outer loop asks for
+  LowPasses rate;        ///< on the measured rate, for P, I and D
+  LowPasses derivative;  ///< on D, in addition to those of its input
+  LowPasses error;       ///< on the error of the rate, for P, I, and D if it acts on the error
+  LowPasses target;      ///< on the rate set point from the outer loop
   LowPasses output;
 };
 
 [[nodiscard]] LoopFilters loop_filters(const Firmware& firmware, CascadeAxis axis,
                                        const ParameterValues& value);
 
-/// How often a firmware computes its loops [Hz].
+/// Sample rates of a firmware's loops [Hz].
 struct LoopRates {
-  double rate = 0;      ///< of the body rates
-  double attitude = 0;  ///< of the angles
-  double position = 0;  ///< of position and velocity
+  double rate = 0;      ///< body rate loops
+  double attitude = 0;  ///< angle loops
+  double position = 0;  ///< position and velocity loops
 };
 
 [[nodiscard]] LoopRates loop_rates(const Firmware& firmware, const ParameterValues& value);

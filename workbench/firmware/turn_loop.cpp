@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Coefficients in descending powers of s.
+/// Product of polynomials; coefficients in descending powers of s.
 VectorXd product(const VectorXd& a, const VectorXd& b) {
   VectorXd result = VectorXd::Zero(a.size() + b.size() - 1);
   for (Index i = 0; i < a.size(); ++i) result.segment(i, b.size()) += a(i) * b;
@@ -42,10 +42,10 @@ VectorXd denominator(const internal::LowPasses& filters) {
   return result;
 }
 
-/// LoopFilters as denominators.
+/// The filters of LoopFilters as denominators.
 struct Filters {
   VectorXd gyroscope, error, target, output;
-  VectorXd derivative;  ///< of D, beside the gyroscope's
+  VectorXd derivative;  ///< of D, in addition to the gyroscope's
 };
 
 Filters filters_of(const Firmware& firmware, const FirmwareLoop& loop,
@@ -61,8 +61,8 @@ Filters filters_of(const Firmware& firmware, const FirmwareLoop& loop,
   return result;
 }
 
-/// By how long the torque about z leads the rotors' speed [s]: that of the air, Q(w), and the
-/// reaction to its change, J_r w', give (dQ/dw + J_r s) δw.
+/// Lead time of the torque about z relative to the rotors' speed [s]: the drag torque Q(w) and the
+/// reaction J_r w' to its change give (dQ/dw + J_r s) δw.
 double yaw_lead(const Vehicle& vehicle) {
   double lead = 0;
   for (const Rotor& rotor : vehicle.rotors) {
@@ -78,7 +78,7 @@ double yaw_lead(const Vehicle& vehicle) {
 
 double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
                       const std::vector<Parameter>& values) {
-  // A sample to compute, half of one because the output is held.
+  // One sample for the computation, and half a sample because the output is held.
   const ParameterValues value(firmware, values);
   return 1.5 / internal::loop_rates(firmware, value).rate + vehicle.motor.delay +
          (vehicle.sensors.gyroscope ? vehicle.sensors.gyroscope->delay : 0);
@@ -90,9 +90,9 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
   const ParameterValues value(firmware, values);
   Filters f = filters_of(firmware, loop, value);
   // τ/scale = (P + I/s) E R + FF R' + D s Fd X, each times the rate, with
-  //   a = (Oo s + Oi)/s^k T     the loop of the angle, T the target's filter
+  //   a = (Oo s + Oi)/s^k T     the angle loop, T the target's filter
   //   R = (1 + Od) F + a,  R' = Od F + a
-  //   X = F, or where D acts on the error F + a
+  //   X = F, or F + a if D acts on the error
   const Index pi = loop.I != 0 ? 1 : 0;
   const VectorXd pi_num =
       pi == 1 ? VectorXd(Eigen::Vector2d(loop.P, loop.I)) : VectorXd::Constant(1, loop.P);
@@ -103,7 +103,7 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
   if (k == 2) angle_num = Eigen::Vector2d(loop.outer, loop.outer_integral);
   if (loop.D == 0) f.derivative = one();
   if (k == 0) f.target = one();
-  // All over s^(pi + k) E F Fd T.
+  // Common denominator s^(pi + k) E F Fd T.
   const VectorXd from_angle = product(angle_num, f.gyroscope);
   const VectorXd from_rate = product(power_of_s(k), f.target);
   const double od = angle ? loop.outer_derivative : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the files of this room share.
+/// Helpers shared by the files of this folder.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,17 +11,17 @@
 
 namespace quadtune::internal {
 
-/// Whether a loop is one of the angles.
+/// Whether a loop controls an angle.
 [[nodiscard]] inline bool turns(CascadeAxis axis) {
   return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
 }
 
-/// The body axis of a turning loop.
+/// The body axis of a rotation loop.
 [[nodiscard]] inline Eigen::Index body_axis(CascadeAxis axis) {
   return axis == CascadeAxis::roll ? 0 : axis == CascadeAxis::pitch ? 1 : 2;
 }
 
-/// That of the slowest rotor [s].
+/// The lag of the slowest rotor [s].
 [[nodiscard]] inline double rotor_lag(const Vehicle& vehicle) {
   double lag = 0;
   for (const Rotor& rotor : vehicle.rotors) lag = std::max(lag, slower_lag(rotor));
@@ -31,7 +31,7 @@ namespace quadtune::internal {
 }  // namespace quadtune::internal
 
 namespace quadtune {
-/// From a turn to the torque that answers it, filters and rotors apart [s].
+/// Delay from a rotation to the torque that responds to it, without filters and motor lag [s].
 [[nodiscard]] double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
                                     const std::vector<Parameter>& values);
 }  // namespace quadtune

@@ -14,16 +14,17 @@
 namespace quadtune {
 namespace {
 
-/// From this share of a flight on, motors at their limits decide it.
+/// Share of a flight above which motors at their limits count as the cause.
 constexpr double kSaturated = 0.1;
-/// A limit missed by less than this factor is the mission's tightness, not the law's failure.
+/// If a limit is exceeded by less than this factor, the mission is too tight; otherwise the law
+/// fails.
 constexpr double kNearly = 1.5;
 
-/// The mission as its file has it.
+/// Restores the limits of the mission's file.
 void restore_limits(PlannedFlight& plan) {
   for (const WidenedLimit& widened : plan.widened)
     for (Limit& limit : plan.setup.mission.limits)
-      if (name_of(limit.metric) == widened.what) limit.most = widened.asked;
+      if (name_of(limit.metric) == widened.what) limit.max = widened.asked;
   plan.setup.mission.settling.settled_band = 0;
   plan.setup.mission.settling.settled_yaw_band = 0;
   plan.widened.clear();
@@ -55,30 +56,30 @@ bool misses(const FlownFlight& flight, Metric metric) {
                      [&](const LimitCheck& check) { return check.metric == metric && !check.ok; });
 }
 
-/// The largest factor by which a limit is missed; infinite for a flight that did not end well.
+/// The largest factor by which a limit is exceeded; infinite if the flight ended early.
 double missed_by(const FlownFlight& flight) {
   if (flight.result.end != FlightEnd::completed) return INFINITY;
-  double most = 0;
+  double max = 0;
   for (const LimitCheck& check : flight.verdict.checks) {
     if (check.ok) continue;
     const double factor = check.bound > 0 ? check.value / check.bound : INFINITY;
-    most = std::max(most, std::isnan(factor) ? INFINITY : factor);
+    max = std::max(max, std::isnan(factor) ? INFINITY : factor);
   }
-  return most;
+  return max;
 }
 
-/// The first limit that was missed, in words.
+/// Describes the first limit that was exceeded.
 std::string first_missed(const FlownFlight& flight) {
   for (const LimitCheck& check : flight.verdict.checks)
     if (!check.ok && !check.at_least)
       return fmt::format("{} {} of at most {}", label_of(check.metric),
-                         in_words(check.metric, check.value), in_words(check.metric, check.bound));
+                         describe(check.metric, check.value), describe(check.metric, check.bound));
   return fmt::format("{} at {:.3g} s", to_string(flight.result.end), flight.result.end_time);
 }
 
 bool measures_position(const Sensors& sensors) { return sensors.gps || sensors.vision; }
 
-/// Whether an error of the estimate makes up most of what missed a limit.
+/// Whether errors of the estimate account for most of the excess over a limit.
 bool explained_by_estimate(const FlownFlight& flight) {
   const double wrong = flight.result.metrics[Metric::estimate_max];
   for (const LimitCheck& check : flight.verdict.checks)
@@ -87,8 +88,8 @@ bool explained_by_estimate(const FlownFlight& flight) {
          wrong >= flight.plan.setup.mission.settling.band / 2;
 }
 
-/// The first event without which the law passes with true states. If it takes more than one, all
-/// events; if the law fails without any event, too, none.
+/// The first event without which the law passes with true states; all events if only removing all
+/// of them helps; none if the law also fails without any event.
 std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
   const std::vector<FlightEvent>& events = plan.setup.mission.events;
   const auto passes_with = [&](const std::vector<FlightEvent>& kept) {
@@ -106,16 +107,16 @@ std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
   return events;
 }
 
-/// "motor 2 stops at 5 s and a load of 0.1 kg is dropped at 9 s"
-std::string in_words(const std::vector<FlightEvent>& events) {
+/// For example "motor 2 stops at 5 s and a load of 0.1 kg is dropped at 9 s".
+std::string describe(const std::vector<FlightEvent>& events) {
   std::string text;
   for (const FlightEvent& event : events)
-    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::in_words(event),
+    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::describe(event),
                         event.time);
   return text;
 }
 
-/// Whether a motor is lost without which no four rotors balance the torques.
+/// Whether a motor fails that is needed to balance the torques.
 bool loses_a_needed_motor(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
   return plan.setup.vehicle.rotors.size() <= 4 &&
          std::any_of(events.begin(), events.end(), [](const FlightEvent& event) {
@@ -124,7 +125,7 @@ bool loses_a_needed_motor(const PlannedFlight& plan, const std::vector<FlightEve
          });
 }
 
-/// Whether a load makes the vehicle heavier than the thrust that its laws may ask for.
+/// Whether a load makes the vehicle heavier than the maximum thrust of its laws.
 bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
   const Vehicle& flown = flown_vehicle(plan.setup);
   double mass = flown.mass;
@@ -132,10 +133,10 @@ bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events
     if (const auto* load = std::get_if<LoadChange>(&event.what)) mass += load->mass;
   const double fraction = plan.setup.vehicle.altitude_thrust_fraction;
   return mass > flown.mass &&
-         mass * flown.gravity > greatest_thrust(flown) * (fraction > 0 ? fraction : 1);
+         mass * flown.gravity > max_thrust(flown) * (fraction > 0 ? fraction : 1);
 }
 
-/// The vehicle as a command takes it: a file, or a built-in name.
+/// The vehicle as an argument of a command: a file, or a built-in name.
 std::string vehicle_of(const PlannedFlight& plan) {
   if (!plan.options.vehicle.empty()) return plan.options.vehicle;
   const Vehicle& vehicle = plan.setup.vehicle;
@@ -151,7 +152,7 @@ bool is_cascade(const PlannedFlight& plan) {
   return std::holds_alternative<CascadeController>(plan.setup.controller);
 }
 
-/// "quadtune fly mambo --gains x --mission hover": the same flight.
+/// The command for the same flight: "quadtune fly mambo --gains x --mission hover".
 std::string fly_command(const PlannedFlight& plan) {
   std::string text = "quadtune fly " + vehicle_of(plan);
   if (!plan.options.gains.empty()) text += " --gains " + plan.options.gains;
@@ -159,13 +160,14 @@ std::string fly_command(const PlannedFlight& plan) {
   return text + " --mission " + mission_of(plan);
 }
 
-/// Gains that fly this mission better.
+/// The command that tunes gains for this mission.
 std::string tune_command(const PlannedFlight& plan) {
   return fmt::format("quadtune tune {} {} --mission {}", is_cascade(plan) ? "pid" : "lqr",
                      vehicle_of(plan), mission_of(plan));
 }
 
-/// What shows the flown loop of this law; gains of no file have to be written first.
+/// The command that shows the flown loop of this law; gains that are in no file must be written
+/// first.
 std::string margins_command(const PlannedFlight& plan) {
   const std::string& gains = plan.options.gains;
   const std::string vehicle = vehicle_of(plan);
@@ -198,7 +200,7 @@ Loop loop_of(const PlannedFlight& plan) {
     const FlownLoop loop = flown_loop(plan, at);
     return {loop, loop.grows()};
   } catch (const InvalidInput&) {
-    return {};  // a loop that cannot be analysed is no evidence
+    return {};  // a loop that cannot be analysed provides no evidence
   }
 }
 
@@ -234,10 +236,11 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
   const std::string knows =
       std::isfinite(evidence.bound_rms)
           ? fmt::format(
-                "the position is believed wrong by {:.3g} m rms, where the best filter of "
-                "these sensors would be by {:.3g} m",
+                "the position estimate has an error of {:.3g} m rms; the optimal filter with "
+                "these sensors would have {:.3g} m",
                 evidence.estimate_rms, evidence.bound_rms)
-          : fmt::format("the position is believed wrong by {:.3g} m rms", evidence.estimate_rms);
+          : fmt::format("the position estimate has an error of {:.3g} m rms",
+                        evidence.estimate_rms);
   switch (diagnosis.cause) {
     case FlightCause::none:
       return;
@@ -245,7 +248,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     case FlightCause::estimator_loop:
       diagnosis.why =
           fmt::format("the flown loop is unstable, largest |z| {:.6f} ({}); {}",
-                      evidence.largest_pole, in_words(*loop.loop), what_helps(plan, *loop.loop));
+                      evidence.largest_pole, describe(*loop.loop), what_helps(plan, *loop.loop));
       diagnosis.next = diagnosis.cause == FlightCause::unstable_loop
                            ? fmt::format("weaker gains, `{}`; `{}` shows the loop",
                                          tune_command(plan), margins_command(plan))
@@ -257,13 +260,13 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     case FlightCause::event: {
       const bool heavy = too_heavy(plan, at_fault);
       const bool saturated = evidence.saturation_with_true_states > kSaturated;
-      diagnosis.why = fmt::format(
-          "{}: with true states the law passes without it, and with it {}{}", in_words(at_fault),
-          first_missed(truth),
-          heavy       ? ", heavier than the thrust that the law may ask for"
-          : saturated ? fmt::format(", some motor at its limit for {:.0f} % of the flight",
-                                    100 * evidence.saturation_with_true_states)
-                      : "");
+      diagnosis.why =
+          fmt::format("{}: with true states the law passes without it and fails with it: {}{}",
+                      describe(at_fault), first_missed(truth),
+                      heavy       ? ", heavier than the maximum thrust of the law"
+                      : saturated ? fmt::format(", a motor at its limit for {:.0f} % of the flight",
+                                                100 * evidence.saturation_with_true_states)
+                                  : "");
       const std::string copy = "a copy of the mission's file";
       diagnosis.next = loses_a_needed_motor(plan, at_fault)
                            ? fmt::format(
@@ -280,8 +283,8 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     }
     case FlightCause::motor_limits:
       diagnosis.why = fmt::format(
-          "some motor is at its limit for {:.0f} % of the flight with true states: the gains ask "
-          "for more than the motors have, or the mission for more than the vehicle has",
+          "a motor is at its limit for {:.0f} % of the flight with true states: the gains require "
+          "more than the motors can produce, or the mission more than the vehicle can fly",
           100 * evidence.saturation_with_true_states);
       diagnosis.next = fmt::format("`{}` finds gains within the limits", tune_command(plan));
       return;
@@ -304,7 +307,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     case FlightCause::estimator:
       diagnosis.why = fmt::format("the estimator: the law {}, and {}", others, knows);
       diagnosis.next = fmt::format(
-          "another `--estimator`; `{} --sensors ideal` flies the same one "
+          "another `--estimator`; `{} --sensors ideal` repeats the flight "
           "without noise",
           fly_command(plan));
       return;
@@ -324,7 +327,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
       return;
     case FlightCause::noise:
       diagnosis.why = fmt::format(
-          "the law turns the noise of the estimate into motion: {}, motors at their limits for "
+          "the law converts the noise of the estimate into motion: {}, motors at their limits for "
           "{:.0f} % of the flight; the law {}",
           first_missed(flight), 100 * evidence.saturation, others);
       diagnosis.next = fmt::format("`{}` finds gains that react less", tune_command(plan));

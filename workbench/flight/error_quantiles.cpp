@@ -12,8 +12,8 @@
 namespace quadtune {
 namespace {
 
-/// ‖e‖² at one instant, as scale · χ² with as many degrees of freedom as give its mean and variance
-/// (Satterthwaite): exact for axes of equal variance.
+/// ‖e‖² at one instant as scale · χ², with the degrees of freedom that match its mean and variance
+/// (Satterthwaite); exact for axes with equal variance.
 struct SquaredNorm {
   double scale = 0;    ///< [unit²]
   double freedom = 1;  ///< 1 … axes
@@ -32,7 +32,7 @@ struct SquaredNorm {
   }
 };
 
-/// The smallest size at which a falling probability is at most `share`.
+/// The smallest size at which a decreasing probability is at most `share`.
 template <class Probability>
 double size_of(const Probability& probability, double first, double share) {
   double high = first;
@@ -53,7 +53,7 @@ Joint joint_of(const std::vector<ErrorCovariance>& axes) {
   Joint joint;
   for (const ErrorCovariance& axis : axes) {
     if (axis.starts != axes[0].starts || axis.variance.size() != axes[0].variance.size())
-      throw InvalidInput("error size", "the axes have other outputs or starts than the first");
+      throw InvalidInput("error size", "the axes have different outputs or starts");
     if (joint.sum.size() == 0) {
       joint.sum.setZero(axis.variance.size());
       joint.squares = joint.sum;
@@ -66,7 +66,7 @@ Joint joint_of(const std::vector<ErrorCovariance>& axes) {
   return joint;
 }
 
-/// 1/τ about a start: -ln ρ / δ, δ the first lag with a correlation ρ below e^(-1/2).
+/// 1/τ about a start: -ln ρ / δ, with δ the first lag with a correlation ρ below e^(-1/2).
 double decorrelation_rate(const Joint& joint, const std::vector<double>& times, std::size_t row,
                           std::size_t start) {
   const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(i); };
@@ -75,7 +75,7 @@ double decorrelation_rate(const Joint& joint, const std::vector<double>& times, 
   for (std::size_t k = start + 1; k < times.size(); ++k) {
     const double size = std::sqrt(here * joint.squares(at(k)));
     if (!(size > 0)) break;
-    // The squares of an error with the correlation ρ have the correlation ρ².
+    // If errors have the correlation ρ, their squares have the correlation ρ².
     const double square = std::min(joint.common(at(row), at(k)) / size, 1.0);
     rate = -std::log(std::max(square, 1e-12)) / 2 / (times[k] - times[start]);
     if (square < std::exp(-1.0)) break;
@@ -101,7 +101,7 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
   ErrorSize size;
   if (axes.empty() || times.size() != counted.size() ||
       axes[0].variance.size() != std::ssize(times))
-    throw InvalidInput("error size", "axes, times and counted outputs do not agree in number");
+    throw InvalidInput("error size", "the numbers of outputs in axes, times and counted disagree");
   if (!(share > 0 && share < 1))
     throw InvalidInput("error size", "the share is not between 0 and 1");
   const Joint joint = joint_of(axes);
@@ -114,7 +114,7 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
   if (!(mean > 0) || !std::isfinite(mean)) return size;
   size.rms = std::sqrt(mean);
 
-  // Each judged output belongs to the last start before it.
+  // Each counted output belongs to the last start before it.
   const std::vector<std::size_t>& starts = axes[0].starts;
   std::vector<std::size_t> row_of(times.size(), 0);
   std::vector<double> share_of(starts.size(), 0);
@@ -142,7 +142,7 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
   for (std::size_t j = 0; j < starts.size(); ++j)
     rates.push_back(decorrelation_rate(joint, times, j, starts[j]));
   const double spacing = times.size() > 1 ? times[1] - times[0] : 0;
-  // A hundred outputs show how the variance changes.
+  // A hundred outputs suffice to resolve changes of the variance.
   const std::size_t stride = 1 + judged.size() / 100;
   struct Crossing {
     SquaredNorm norm;
@@ -159,12 +159,12 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
       judged.begin(), judged.end(),
       [&](std::size_t a, std::size_t b) { return joint.sum(at(a)) < joint.sum(at(b)); });
   const SquaredNorm largest(joint.sum(at(worst)), joint.squares(at(worst)));
-  const auto exceeds = [&](double most) {
-    double sum = largest.exceeds(most);
+  const auto exceeds = [&](double max) {
+    double sum = largest.exceeds(max);
     for (const Crossing& crossing : crossings)
       if (crossing.norm.scale > 0)
-        sum += crossing.time_over_tau * most * most / crossing.norm.scale *
-               crossing.norm.exceeds(most);
+        sum +=
+            crossing.time_over_tau * max * max / crossing.norm.scale * crossing.norm.exceeds(max);
     return sum;
   };
   size.most_rarely = size_of(exceeds, 3 * size.rms, share);

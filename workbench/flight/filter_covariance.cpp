@@ -14,10 +14,10 @@
 namespace quadtune {
 namespace {
 
-constexpr double kSameTime = 1e-9;      // times nearer than this are equal [s]
-constexpr double kMostSamples = 20000;  // of one sensor
+constexpr double kSameTime = 1e-9;     // times closer than this are equal [s]
+constexpr double kMaxSamples = 20000;  // of one sensor
 
-/// [Φ, ∫Φ Q Φᵀ] for integrators with A⁴ = 0 and states that decay and drive no other.
+/// [Φ, ∫Φ Q Φᵀ] for integrators with A⁴ = 0 and decaying states that drive no other.
 template <int N>
 struct Interval {
   using Matrix = Eigen::Matrix<double, N, N>;
@@ -34,7 +34,7 @@ struct Interval {
   Interval() = default;
   Interval(const Matrix& A, const Matrix& Q, const Vector& decay, double h)
       : length(h), phi(transition(A, h)) {
-    // Gauss and Legendre's rule of four points is exact: the integrand has degree 6.
+    // The four-point Gauss-Legendre rule is exact: the integrand has degree 6.
     constexpr std::array<double, 4> node = {-0.8611363115940526, -0.3399810435848563,
                                             0.3399810435848563, 0.8611363115940526};
     constexpr std::array<double, 4> weight = {0.3478548451374538, 0.6521451548625461,
@@ -68,13 +68,13 @@ class Filter {
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// @param model  of at most N states; those that it lacks stay 0
+  /// @param model  at most N states; unused states of the filter stay 0
   Filter(const ErrorModel& model, double begin, double end)
       : A_(padded(model.A)), Q_(padded(model.Q)), P_(padded(model.P0)), now_(begin) {
     decay_.setZero();
     decay_.head(model.decay.size()) = model.decay;
     for (const LinearSensor& sensor : model.sensors) {
-      const double lumped = std::max(1.0, std::ceil((end - begin) * sensor.rate / kMostSamples));
+      const double lumped = std::max(1.0, std::ceil((end - begin) * sensor.rate / kMaxSamples));
       Clock<N> clock;
       clock.period = lumped / sensor.rate;
       clock.delay = sensor.delay;
@@ -86,7 +86,7 @@ class Filter {
     }
   }
 
-  /// Takes every sample that was taken up to `time` and has arrived by `arrived`.
+  /// Processes every sample that was taken up to `time` and has arrived by `arrived`.
   void run(double time, double arrived) {
     for (;;) {
       Clock<N>* first = nullptr;
@@ -110,7 +110,7 @@ class Filter {
     now_ = time;
   }
 
-  /// Follows the covariance with the first state's error of now.
+  /// Starts to track the covariance with the first state's current error.
   void follow() { columns_.push_back(P_.col(0)); }
   void forget_columns() { columns_.clear(); }
 
@@ -135,7 +135,7 @@ class Filter {
   void correct(const Clock<N>& clock) {
     const Vector PH = P_ * clock.H;
     const double S = clock.H.dot(PH) + clock.R;
-    if (!(S > 0)) return;  // a perfect sample of something known tells nothing
+    if (!(S > 0)) return;  // a perfect sample of a known quantity has no information
     const Vector K = PH / S;
     P_ -= K * PH.transpose();
     P_ = ((P_ + P_.transpose()) / 2).eval();
@@ -164,7 +164,7 @@ ErrorCovariance run(const ErrorModel& model, double begin, const std::vector<dou
   double horizon = 0;
   for (const LinearSensor& sensor : model.sensors) horizon = std::max(horizon, sensor.delay);
   Filter<N> past(model, begin, times.back());
-  Eigen::VectorXd of_past = Eigen::VectorXd::Zero(n);  // the variance at the horizon
+  Eigen::VectorXd of_past = Eigen::VectorXd::Zero(n);  // variance at the horizon
   std::size_t followed = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double time = times[static_cast<std::size_t>(k)];
@@ -191,7 +191,7 @@ ErrorCovariance run(const ErrorModel& model, double begin, const std::vector<dou
     now.predict(time);
     result.variance(k) = now.variance();
   }
-  // The errors of the outputs have the correlations of those at the horizon.
+  // The errors of the outputs are correlated like those at the horizon.
   for (std::size_t j = 0; j < followed; ++j) {
     const auto row = static_cast<Eigen::Index>(j), start = static_cast<Eigen::Index>(starts[j]);
     for (Eigen::Index k = start; k < n; ++k) {
@@ -210,8 +210,8 @@ void require(bool holds, const std::string& what) {
 void validate(const ErrorModel& model, double begin, const std::vector<double>& times,
               const std::vector<std::size_t>& starts) {
   const Eigen::Index n = model.A.rows();
-  require(n >= 1 && n <= kMostErrorStates,
-          fmt::format("it has {} states, expected 1 to {}", n, kMostErrorStates));
+  require(n >= 1 && n <= kMaxErrorStates,
+          fmt::format("it has {} states, expected 1 to {}", n, kMaxErrorStates));
   for (const auto& [matrix, name] :
        {std::pair(&model.A, "A"), std::pair(&model.Q, "Q"), std::pair(&model.P0, "P0")})
     require(matrix->rows() == n && matrix->cols() == n && matrix->allFinite(),
@@ -230,7 +230,7 @@ void validate(const ErrorModel& model, double begin, const std::vector<double>& 
           "the times are not finite or do not increase");
   require(std::is_sorted(starts.begin(), starts.end()) &&
               (starts.empty() || starts.back() < times.size()),
-          "the starts do not increase or are no indices of times");
+          "the starts do not increase or are not indices of times");
   for (const LinearSensor& sensor : model.sensors) {
     require(sensor.rate > 0 && std::isfinite(sensor.rate),
             fmt::format("the rate of a sensor is {} Hz, expected more than 0", sensor.rate));
@@ -244,7 +244,7 @@ void validate(const ErrorModel& model, double begin, const std::vector<double>& 
   }
 }
 
-/// Calls `job` with the number of states, the smallest of those compiled that suffices.
+/// Calls `job` with the smallest compiled number of states that suffices.
 template <class Job>
 auto with_size(Eigen::Index states, const Job& job) {
   if (states <= 2) return job(std::integral_constant<int, 2>());
@@ -252,7 +252,7 @@ auto with_size(Eigen::Index states, const Job& job) {
   if (states <= 4) return job(std::integral_constant<int, 4>());
   if (states <= 5) return job(std::integral_constant<int, 5>());
   if (states <= 7) return job(std::integral_constant<int, 7>());
-  return job(std::integral_constant<int, kMostErrorStates>());
+  return job(std::integral_constant<int, kMaxErrorStates>());
 }
 
 }  // namespace

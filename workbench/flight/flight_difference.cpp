@@ -27,14 +27,14 @@ constexpr const char* kCompared[][2] = {{"command.T", "T"},
                                         {"estimate.py", "believed_py"},
                                         {"estimate.pz", "believed_pz"}};
 
-/// One thing that can differ.
+/// A comparison of two variants.
 struct Variant {
   const char* what;
   const char* key;  ///< of the option
   std::string FlightOptions::*option;
   std::array<std::string, 2> values;
   std::array<std::string, 2> names;
-  const char* because;  ///< the option itself is not to be set
+  const char* because;  ///< why the option must not be set
 };
 
 const std::vector<Variant>& variants() {
@@ -62,7 +62,7 @@ const std::vector<Variant>& variants() {
        &FlightOptions::gains,
        {},
        {},
-       "the two that are compared follow the vehicle"}};
+       "the two gains to compare follow the vehicle"}};
   return all;
 }
 
@@ -121,8 +121,8 @@ FlightPair flight_pair(const std::string& what, FlightOptions flight,
     throw InvalidInput("compare", fmt::format("no comparison '{}', expected {}", what,
                                               internal::joined(compared_things(), ", ")));
   if (!(flight.*at->option).empty())
-    throw OptionError(at->key, fmt::format("{} came with {}, expected none because {}", at->key,
-                                           what, at->because));
+    throw OptionError(at->key, fmt::format("{} cannot be set for the comparison {}, because {}",
+                                           at->key, what, at->because));
   if (what == "flow" && flight.estimator.empty()) flight.estimator = "mambo-original";
   if (what == "flow" || what == "integrators") flight = as_the_model_project(flight);
   FlightPair pair{what, what == "gains" ? gains : at->names, {flight, flight}};

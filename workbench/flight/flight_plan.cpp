@@ -17,10 +17,10 @@
 namespace quadtune {
 namespace {
 
-/// As messages have it.
+/// Formats a number for messages.
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-/// What an option's word means, the option's mistake told as such.
+/// Interprets the word of an option; an invalid word throws OptionError for this option.
 template <class Function>
 auto word_of(const std::string& option, Function&& read) {
   try {
@@ -30,8 +30,8 @@ auto word_of(const std::string& option, Function&& read) {
   }
 }
 
-/// The estimator that a vehicle's sensors can feed. The general filter has no model of the
-/// simplified flow.
+/// The default estimator for a vehicle's sensors. The general filter has no model of the simplified
+/// flow.
 std::string usual_estimator(Sensors sensors, FlowModel flow) {
   if (flow == FlowModel::off) sensors.flow.reset();
   const bool modelled = flow != FlowModel::simplified || !sensors.flow;
@@ -56,11 +56,11 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
     if (!present)
       throw OptionError("estimator",
                         fmt::format("estimator {}: the vehicle '{}' has no {}, expected an "
-                                    "estimator that its sensors feed",
+                                    "estimator that its sensors support",
                                     name, setup.vehicle.name, sensor));
   };
   flight.estimator = name;
-  // Variants of the Mambo's: without the calibration, without the filter.
+  // Variants of the Mambo's estimator: without the calibration, without the filter.
   const bool original = name == "mambo-original", raw = name == "mambo-raw";
   setup.estimator = estimator_kind(original || raw ? "mambo" : name, "estimator");
   if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
@@ -72,12 +72,12 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
     if (!lacks.empty())
       throw OptionError("estimator",
                         fmt::format("estimator general: the vehicle '{}' has {}; expected an "
-                                    "estimator that its sensors feed",
+                                    "estimator that its sensors support",
                                     setup.vehicle.name, lacks));
     if (flown.flow && setup.flow == FlowModel::simplified)
       throw OptionError("estimator",
                         "estimator general: the flow is simplified, expected full because the "
-                        "filter has the model of the averaged motion field");
+                        "filter models the averaged motion field");
     return;
   }
   need(sensors.accelerometer.has_value(), "accelerometer");
@@ -92,7 +92,7 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   }
 }
 
-/// What options say that needs neither a vehicle nor a law.
+/// The meaning of options that depend neither on a vehicle nor on a law.
 struct FlightWords {
   bool real_sensors = true;
   FlowModel flow = FlowModel::full;
@@ -117,7 +117,7 @@ FlightWords words_of(const FlightOptions& options) {
     return flow_model(options.flow.empty() ? "full" : options.flow, key);
   });
   words.wind =
-      word_of("wind", [&](const std::string& key) { return wind_of_words(options.wind, key); });
+      word_of("wind", [&](const std::string& key) { return parse_wind(options.wind, key); });
   words.solver =
       word_of("solver", [&](const std::string& key) { return integrator(options.solver, key); });
   if (!options.allocation.empty())
@@ -134,27 +134,27 @@ FlightWords words_of(const FlightOptions& options) {
   return words;
 }
 
-/// The accelerometer of a multirotor shows its thrust, not the vertical: the filter of the attitude
-/// forgets a tilt that lasts, and a loop of position slower than that forgetting swings up.
+/// The accelerometer of a multirotor measures its thrust, not the vertical: the attitude filter
+/// forgets a persistent tilt, and a position loop that is slower than this becomes unstable.
 void slow_down_attitude_filter(const ChosenLaw& law, const FlightOptions& options,
                                PlannedFlight& flight) {
-  constexpr double kLeastProduct = 0.5;  // of the loop's speed and the filter's time constant
+  constexpr double kMinProduct = 0.5;  // of the loop's bandwidth and the filter's time constant
   FlightSetup& setup = flight.setup;
   double& time_constant = setup.mambo_estimator.attitude_time_constant;
   if (setup.estimator != EstimatorKind::mambo || options.estimator == "mambo-original" ||
-      !(law.position_bandwidth * time_constant < kLeastProduct && law.position_bandwidth > 0))
+      !(law.position_bandwidth * time_constant < kMinProduct && law.position_bandwidth > 0))
     return;
-  time_constant = kLeastProduct / law.position_bandwidth;
+  time_constant = kMinProduct / law.position_bandwidth;
   flight.notes.push_back(fmt::format(
-      "the loops of x and y are as slow as {:.2g} rad/s: the attitude filter has a time "
+      "the loops of x and y have a bandwidth of only {:.2g} rad/s: the attitude filter gets a time "
       "constant of {:.2g} s instead of 1 s",
       law.position_bandwidth, time_constant));
 }
 
-/// Options that speak of an optical flow sensor need one.
+/// Rejects options about optical flow if there is no such sensor.
 void require_flow_sensor(const FlightOptions& options, const FlightSetup& setup) {
   const auto refuse = [&](const char* option, const std::string& why) {
-    throw OptionError(option, fmt::format("{} came, expected none because {}", option, why));
+    throw OptionError(option, fmt::format("{} cannot be set, because {}", option, why));
   };
   const std::string none =
       fmt::format("the vehicle '{}' has no optical flow sensor", setup.vehicle.name);
@@ -164,7 +164,7 @@ void require_flow_sensor(const FlightOptions& options, const FlightSetup& setup)
   if (options.flow_rate && setup.flow == FlowModel::off) refuse("flow-rate", "the flow is off");
 }
 
-/// What validate() would refuse of numbers that the options gave.
+/// Rejects numbers of the options that validate() would reject.
 void require_sane_times(const FlightSetup& setup) {
   const auto refuse = [&](const char* option, double value, const std::string& expected) {
     throw OptionError(option,
@@ -180,7 +180,7 @@ void require_sane_times(const FlightSetup& setup) {
   if (setup.flow_rate > 10000) refuse("flow-rate", setup.flow_rate, "at most 10000 Hz");
 }
 
-/// What a suite that does not even know the horizontal velocity leaves to the law.
+/// Notes the drifts if the sensors do not observe the horizontal velocity.
 void note_drifts(PlannedFlight& flight) {
   const std::string lacks = general_filter_lacks(flight.setup.vehicle.sensors);
   if (lacks.empty()) return;
@@ -188,11 +188,11 @@ void note_drifts(PlannedFlight& flight) {
   flight.notes.push_back(
       fmt::format("{}: the estimates of position and horizontal velocity drift, by {:.1f} m rms in "
                   "{} s; the law "
-                  "holds no more than attitude, heading and height",
+                  "controls only attitude, heading and height",
                   lacks, flight.bound->horizontal_end, number(duration)));
 }
 
-/// An autopilot has its own estimator, which a general filter stands for.
+/// Sets up the estimator of an autopilot, which a general filter approximates.
 void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFlight& flight) {
   const bool truth = setup.estimator == EstimatorKind::truth;
   if (!options.estimator.empty() && !truth && options.estimator != "general")
@@ -208,14 +208,14 @@ void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFligh
 
 std::string why_no_estimator(const Vehicle& vehicle) {
   if (usual_estimator(vehicle.sensors, FlowModel::full) != "truth") return "";
-  return "the sensors feed no estimator: " + general_filter_lacks(vehicle.sensors);
+  return "the sensors do not suffice for any estimator: " + general_filter_lacks(vehicle.sensors);
 }
 
 std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const std::string& name,
                                                 double dt) {
   StoredEstimator estimator{name.empty() ? usual_estimator(vehicle.sensors, FlowModel::full)
                                          : name};
-  // No file holds true states, nor the variants of the Mambo's estimator.
+  // Files contain neither true states nor the variants of the Mambo's estimator.
   if (estimator.name == "truth" || estimator.name == "mambo-raw" ||
       estimator.name == "mambo-original")
     return {};
@@ -232,15 +232,15 @@ std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const st
 }
 
 void keep_log(PlannedFlight& plan) {
-  constexpr double kMostRows = 2e6;  // about 1.5 GB
+  constexpr double kMaxRows = 2e6;  // about 1.5 GB
   FlightSetup& setup = plan.setup;
   const double dt = control_period(setup);
   const double duration = duration_of(setup);
-  if (duration / dt > kMostRows)
+  if (duration / dt > kMaxRows)
     throw OptionError("duration",
-                      fmt::format("duration is {} s, expected at most {} s where every control "
-                                  "period is kept, because the record is held in memory",
-                                  number(duration), number(kMostRows * dt)));
+                      fmt::format("duration is {} s, expected at most {} s if every control "
+                                  "period is logged, because the log is kept in memory",
+                                  number(duration), number(kMaxRows * dt)));
   setup.log = true;
 }
 
@@ -278,19 +278,18 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     cascade->method = words.integrator.value_or(cascade->method);
   } else if (words.integrator) {
-    throw OptionError(
-        "integrator",
-        law.on_board ? "integrator is for a cascaded PID, expected none because the loops of an "
-                       "autopilot integrate by Euler's rule"
-                     : "integrator is for a cascaded PID, expected none because a state "
-                       "feedback sums its error once a sample");
+    throw OptionError("integrator", law.on_board
+                                        ? "integrator is only for a cascaded PID: the loops of an "
+                                          "autopilot integrate by Euler's rule"
+                                        : "integrator is only for a cascaded PID: a state "
+                                          "feedback sums its error once per sample");
   }
   setup.allocation = words.allocation;
   setup.real_sensors = words.real_sensors;
   flight.sensors = words.real_sensors ? "real" : "ideal";
   if (setup.real_sensors && !vehicle.sensors_known)
     flight.notes.push_back(fmt::format("the file of '{}' has no [sensors]; assumed: {}",
-                                       vehicle.name, in_words(vehicle.sensors)));
+                                       vehicle.name, describe(vehicle.sensors)));
   setup.flow = words.flow;
   setup.flow_rate = options.flow_rate.value_or(0);
   setup.duration = options.duration.value_or(0);
@@ -315,7 +314,8 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
           vehicle.file.empty() ? vehicle.name : vehicle.file.string(),
           why + "; expected such a sensor, or the estimator 'truth', which is the true state");
     flight.notes.push_back(fmt::format(
-        "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
+        "the sensors of '{}' do not suffice for any estimator: the law uses the true state",
+        vehicle.name));
   }
   slow_down_attitude_filter(law, options, flight);
   setup.environment.dynamic = options.dynamic_environment;
@@ -323,7 +323,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   flight.wind = options.wind;
   const Wind& wind = setup.environment.wind;
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
-  if (windy && !feels_wind(vehicle))
+  if (windy && !has_aerodynamics(vehicle))
     flight.notes.push_back(
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
                     "does not move it",
@@ -349,7 +349,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
 PlannedFlight plan_flight(const FlightOptions& options, const std::string& who) {
   if (options.vehicle.empty())
     throw OptionError("vehicle", "vehicle is missing, expected a built-in vehicle or a file");
-  require_flight_words(options);  // before anything is read
+  require_flight_words(options);  // before any file is read
   return plan_flight(options, load_vehicle(options.vehicle), who);
 }
 

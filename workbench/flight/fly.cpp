@@ -72,14 +72,14 @@ void take_program(FlightOptions& options) {
   const auto take = [](const char* option, std::string& word, const std::string& of_program) {
     if (!word.empty() && word != of_program)
       throw OptionError(option, fmt::format("{} is '{}', expected none or '{}', which the compiled "
-                                            "program has",
+                                            "program uses",
                                             option, word, of_program));
     word = of_program;
   };
   take("controller", options.controller, cascade ? "cascaded-pid" : "state-feedback");
   take("estimator", options.estimator, estimator.empty() ? "truth" : estimator);
   if (!options.integrator.empty())
-    throw OptionError("integrator", "integrator is not for a compiled program, expected none");
+    throw OptionError("integrator", "integrator cannot be set for a compiled program");
 }
 
 std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan, const std::string& directory,
@@ -87,8 +87,8 @@ std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan, const std::stri
                                       const std::function<bool()>& stop) {
   if (plan.setup.allocation != AllocationRule::prioritized)
     throw OptionError("compiled",
-                      "compiled is for commands by priorities, expected no other --allocation "
-                      "because flight code allocates by priorities");
+                      "compiled requires the default --allocation, "
+                      "because flight code uses prioritized allocation");
   const CompiledProgram program(directory, plan.setup.vehicle, target);
   std::vector<FlownFlight> flights;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -132,40 +132,40 @@ std::string label_of(Metric metric) {
     case Metric::tracking_rms:
       return "tracking error, rms";
     case Metric::tracking_max:
-      return "tracking error, greatest";
+      return "tracking error, maximum";
     case Metric::height_rms:
       return "height error, rms";
     case Metric::height_max:
-      return "height error, greatest";
+      return "height error, maximum";
     case Metric::yaw_rms:
       return "yaw error, rms";
     case Metric::yaw_max:
-      return "yaw error, greatest";
+      return "yaw error, maximum";
     case Metric::tilt_max:
-      return "greatest tilt";
+      return "maximum tilt";
     case Metric::speed_max:
-      return "greatest speed";
+      return "maximum speed";
     case Metric::saturation_time:
       return "time at a motor's limit";
     case Metric::energy:
       return "energy of the motors";
     case Metric::estimate_rms:
-      return "position believed wrong, rms";
+      return "position estimate error, rms";
     case Metric::estimate_max:
-      return "position believed wrong, greatest";
+      return "position estimate error, maximum";
     case Metric::position_drift:
-      return "drift of the believed position";
+      return "drift of the position estimate";
     case Metric::final_distance:
       return "distance at the end";
     case Metric::touchdown_speed:
       return "speed at touchdown";
     case Metric::height_peak:
-      return "greatest height above the reference";
+      return "maximum height above the reference";
   }
   return "";
 }
 
-std::string in_words(Metric metric, double value) {
+std::string describe(Metric metric, double value) {
   if (std::isnan(value)) return "none";
   if (std::isinf(value)) return "never";
   const std::string& unit = unit_of(metric);
@@ -193,9 +193,9 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
   if (flight.loop && flight.loop->grows())
     why.push_back(fmt::format("the flown loop is unstable at {} m, largest |z| {:.6f}: {}; {}",
                               flight.loop->at.height, std::abs(flight.loop->mode.z),
-                              in_words(*flight.loop), what_helps(flight.plan, *flight.loop)));
+                              describe(*flight.loop), what_helps(flight.plan, *flight.loop)));
   if (result.end == FlightEnd::diverged)
-    why.push_back(fmt::format("diverged at {:.4g} s: state {} left every range that means anything",
+    why.push_back(fmt::format("diverged at {:.4g} s: state {} left its plausible range",
                               result.end_time, result.culprit));
   if (result.end == FlightEnd::safety_exit && !result.events.empty()) {
     const LogEvent& last = result.events.back();
@@ -203,15 +203,15 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
                               last.detail.empty() ? "" : ": " + last.detail));
   }
   for (const LimitCheck& check : flight.verdict.checks) {
-    // What a flight that ended early did not come to is no further reason.
+    // Metrics that an early end left undefined are not further reasons.
     const bool ended = flight.result.end != FlightEnd::completed;
     if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
       continue;
     std::string reason = fmt::format(
-        "{} is {}, expected {} {}", label_of(check.metric), in_words(check.metric, check.value),
-        check.at_least ? "at least" : "at most", in_words(check.metric, check.bound));
+        "{} is {}, expected {} {}", label_of(check.metric), describe(check.metric, check.value),
+        check.at_least ? "at least" : "at most", describe(check.metric, check.bound));
     for (const WidenedLimit& widened : flight.plan.widened)
-      if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", in_words(widened));
+      if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", describe(widened));
     why.push_back(std::move(reason));
   }
   return why;

@@ -9,33 +9,33 @@
 namespace quadtune {
 namespace {
 
-constexpr double kStep = 0.02;         // in which the mission's references are followed [s]
-constexpr double kMostSteps = 50000;   // of a long mission
-constexpr double kLeastHeight = 0.05;  // of the flight that stands for the mission [m]
+constexpr double kStep = 0.02;       // step at which the mission's references are evaluated [s]
+constexpr double kMaxSteps = 50000;  // maximum for a long mission
+constexpr double kMinHeight = 0.05;  // minimum height of the equivalent flight [m]
 
-/// A jump of the reference, and the outputs until the next.
+/// A jump of the reference, and the outputs until the next one.
 struct Jump {
   Eigen::Vector3d way;  ///< [m]
   double turn;          ///< [rad]
   std::size_t first, end;
 };
 
-/// Where tracking is judged, and over which height it is flown.
+/// The periods in which tracking is evaluated, and the mean height of the flight.
 struct Judged {
   std::vector<Jump> jumps;     ///< in flight
-  std::vector<bool> tracked;   ///< outputs in which tracking is judged
-  std::vector<bool> position;  ///< and position is asked for, not attitude and height alone
+  std::vector<bool> tracked;   ///< outputs in which tracking is evaluated
+  std::vector<bool> position;  ///< and position is commanded, not only attitude and height
   double height = 0;           ///< rms of the reference's height [m]
 };
 
-/// As FlightMetrics judges: flying, and at least the window after the last step.
+/// As in FlightMetrics: in flight, and at least the settling window after the last step.
 Judged judged_periods(const Mission& mission, const std::vector<double>& times, double duration) {
   Judged judged;
   judged.tracked.assign(times.size(), false);
   judged.position.assign(times.size(), false);
   MissionRunner runner(mission);
   const bool waypoints = std::holds_alternative<Waypoints>(mission.kind);
-  const double step = std::max(kStep, duration / kMostSteps);
+  const double step = std::max(kStep, duration / kMaxSteps);
   StateVector<double> believed = StateVector<double>::Zero();
   believed.head<3>() = mission.start.position;
   Reference<double> before;
@@ -43,7 +43,8 @@ Judged judged_periods(const Mission& mission, const std::vector<double>& times, 
   double last_step = 0, squares = 0, flown = 0;
   std::size_t next = 0;
   for (double t = 0; t <= duration + step && next < times.size(); t += step) {
-    // Who follows waypoints perfectly is at all of them at once: the vehicle waits at the first.
+    // With perfect tracking, all waypoints would be reached at once: the vehicle waits at the
+    // first.
     const Reference<double> now = runner.at(t, believed);
     const bool flying = now.phase == FlightPhase::flying;
     const bool moves = flying || std::holds_alternative<Carried>(mission.kind);
@@ -71,7 +72,7 @@ Judged judged_periods(const Mission& mission, const std::vector<double>& times, 
   return judged;
 }
 
-/// The same error where it counts, 0 elsewhere.
+/// The same error where `counts` is set, 0 elsewhere.
 ErrorCovariance where(const std::vector<bool>& counts, ErrorCovariance error) {
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (counts[k]) continue;
@@ -81,7 +82,7 @@ ErrorCovariance where(const std::vector<bool>& counts, ErrorCovariance error) {
   return error;
 }
 
-/// The error along a direction of errors along three axes.
+/// The error along a direction, from errors along three axes.
 ErrorCovariance along(const Eigen::Vector3d& direction, const SensorBound& bound) {
   const Eigen::Vector3d share = direction.cwiseAbs2();
   ErrorCovariance error = bound.north;
@@ -103,7 +104,7 @@ void keep_greater(ErrorSize& size, const ErrorSize& other) {
   if (other.most_rarely > size.most_rarely) size = other;
 }
 
-/// What errors of the position look like in overshoots.
+/// Adds the effect of position errors on overshoots.
 void add_overshoots(MissionBound& result, const Judged& judged, const Mission& mission,
                     const std::vector<double>& times) {
   for (const Jump& jump : judged.jumps) {
@@ -136,12 +137,12 @@ std::optional<MissionBound> mission_bound(const FlightSetup& setup) {
   options.gravity = setup.vehicle.gravity;
   options.air_density = setup.vehicle.air_density;
   options.field = setup.environment.magnetic_field.head<2>().norm();
-  // What a flight that begins in the air found before, the filter knows as well as it is told.
+  // If the flight starts in the air, the filter starts with the calibration results given to it.
   if (!stands && setup.estimator == EstimatorKind::general)
     options.allowed.start = general_filter_settings(setup).start;
   const std::vector<double> times = bound_times(options.duration);
   const Judged judged = judged_periods(mission, times, options.duration);
-  options.height = std::max(judged.height, kLeastHeight);
+  options.height = std::max(judged.height, kMinHeight);
   const std::optional<SensorBound> bound = sensor_bound(sensors_of(setup), options);
   if (!bound) return std::nullopt;
   result.bound = *bound;

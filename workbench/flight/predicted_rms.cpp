@@ -21,27 +21,27 @@ struct Steps {
   MatrixXd F, W;
 };
 
-/// One step. Most entries of F are 0: samples on their way move on.
+/// One step. Most entries of F are 0, because delayed samples only move to the next slot.
 struct Step {
   Eigen::SparseMatrix<double> F;
   MatrixXd W;
 };
 
-/// F P Fᵀ of a symmetric P.
+/// F P Fᵀ for a symmetric P.
 MatrixXd between(const Eigen::SparseMatrix<double>& F, const MatrixXd& P) {
   const MatrixXd half = F * P;
   return F * half.transpose();
 }
 
-/// First `a`, then one step.
+/// `a` followed by one step.
 Steps then(const Steps& a, const Step& b) { return {b.F * a.F, between(b.F, a.W) + b.W}; }
 
-/// First `a`, then `b`.
+/// `a` followed by `b`.
 Steps then(const Steps& a, const Steps& b) {
   return {b.F * a.F, b.F * a.W * b.F.transpose() + b.W};
 }
 
-/// n times the same, by doubling.
+/// n repetitions of the same steps, by doubling.
 Steps repeated(Steps once, long n) {
   const Index nx = once.F.rows();
   Steps all = {MatrixXd::Identity(nx, nx), MatrixXd::Zero(nx, nx)};
@@ -52,31 +52,31 @@ Steps repeated(Steps once, long n) {
   }
 }
 
-/// Where the columns of a covariance for roll and for the pitch rate were in a period of the round.
+/// The covariance columns of roll and of the pitch rate in one period of the cycle.
 struct Instant {
   std::size_t period = 0;
   VectorXd roll, pitch_rate;
 };
 
-/// The variance that d = q φ adds to each row of `read` by way of ψ' = r + d. Roll and pitch rate
-/// are Gaussian, so that E d(t) d(t+τ) = E qq E φφ + E qφ E φq with the covariances over τ
-/// (Isserlis), here the mean over the instants of a round.
-/// @param turn      state after a change of the heading by 1 that vehicle and estimator know of
-/// @param instants  of a round
+/// The variance that d = q φ adds to each row of `read` through ψ' = r + d. Roll and pitch rate are
+/// Gaussian, so that E d(t) d(t+τ) = E qq E φφ + E qφ E φq with the covariances over τ (Isserlis),
+/// here the mean over the instants of a cycle.
+/// @param turn      state after a change of the heading by 1 of vehicle and estimator
+/// @param instants  of a cycle
 /// @param read      (rows × nx)
 VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn,
                           const std::vector<Instant>& instants, const MatrixXd& read, double dt) {
-  // Beyond 20 s nothing is left of what began; what moves is slower than 5 ms.
-  constexpr double kLongest = 20, kFine = 0.005, kNegligible = 1e-4;  // [s], [s], [1]
+  // The correlation is negligible beyond 20 s, and motion is slower than 5 ms.
+  constexpr double kMax = 20, kFine = 0.005, kNegligible = 1e-4;  // [s], [s], [1]
   const auto N = periods.size();
   const auto stride = static_cast<Index>(std::max(1.0, std::floor(kFine / dt + 1e-9)));
   const double h = dt * static_cast<double>(stride);
-  const auto longest = static_cast<Index>(std::ceil(kLongest / h));
+  const auto longest = static_cast<Index>(std::ceil(kMax / h));
   const auto advance = [&](VectorXd& x, std::size_t& period) {
     for (Index i = 0; i < stride; ++i, period = (period + 1) % N) x = periods[period].F * x;
   };
   VectorXd of_d = VectorXd::Zero(longest);
-  Index lags = 0;  // beyond which q and φ know nothing of their past
+  Index lags = 0;  // beyond which q and φ are uncorrelated with their past
   for (const Instant& at : instants) {
     VectorXd roll = at.roll, rate = at.pitch_rate;
     std::size_t of_roll = at.period, of_rate = at.period;
@@ -108,10 +108,10 @@ VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn
   return h * h * added.cwiseMax(0);
 }
 
-/// A change of the heading by 1 of which the estimator knows, as it integrates the rates as the
-/// vehicle does.
+/// The state after a change of the heading by 1, which the estimator follows because it integrates
+/// the rates as the vehicle does.
 VectorXd turn_of(const FlightSetup& setup, const PeriodicLti& loop) {
-  // The attitude of the general filter is a quaternion, of half the angle.
+  // The attitude of the general filter is a quaternion, with half the angle.
   const double of_estimate = setup.estimator == EstimatorKind::general ? 0.5 : 1;
   VectorXd turn = VectorXd::Zero(loop.C.cols());
   turn(kAttitude + 2) = 1;
@@ -158,11 +158,11 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
     const Steps before = repeated(round, rounds - 1);
     P = (before.F * P * before.F.transpose() + before.W).eval();
   }
-  // The mean over one round: within it samples arrive and age.
+  // The mean over one cycle, in which samples arrive and age.
   MatrixXd errors = -MatrixXd::Identity(12, nx);
   errors.leftCols(nz) += plant.plant.C;
   VectorXd state = VectorXd::Zero(12), error = VectorXd::Zero(12), command = VectorXd::Zero(nu);
-  constexpr long kInstants = 20;  // of a round, at most
+  constexpr long kInstants = 20;  // maximum per cycle
   std::vector<Instant> instants;
   for (long k = 0; k < N; ++k) {
     const Step& period = periods[static_cast<std::size_t>(k)];

@@ -16,7 +16,7 @@ namespace {
 constexpr int kOutputs = 400;
 constexpr int kStarts = 16;
 
-/// The variance of a sample, its rounding included, as if no sample were lost.
+/// The variance of a sample, including quantization, if no sample is lost.
 double variance_of(const SensorFaults& faults, double noise) {
   const double rounding = faults.quantum * faults.quantum / 12;
   return (noise * noise + rounding) / (1 - faults.dropout);
@@ -33,8 +33,8 @@ Eigen::VectorXd unit(int n, int i) { return Eigen::VectorXd::Unit(n, i); }
 
 double square(double x) { return x * x; }
 
-/// A mean over `calibration` seconds leaves the bias this uncertain; without it, it is known up to
-/// what it is drawn with at turn-on.
+/// Variance of the bias after averaging over `calibration` seconds; without averaging, that of the
+/// bias drawn at turn-on.
 double bias_variance(const SensorFaults& faults, int axis, double calibration) {
   const double samples = faults.rate * calibration, drawn = square(faults.turn_on_bias(axis));
   if (!(samples > 0)) return drawn;
@@ -59,15 +59,15 @@ Eigen::Index add_state(ErrorModel& model, double P0, double Q, double decay) {
   return n;
 }
 
-/// Adds a sensor that shows H x, its own slow errors as states.
+/// Adds a sensor that measures H x, with its own slow errors as additional states.
 /// @param sensor  H for the states of the motion
-/// @param unit   of H x over that of the faults
-/// @param least  what the filter allows for at least: deviation of the offset at turn-on and its
-///               walk, in units of H x
+/// @param unit   ratio of the unit of H x to that of the faults
+/// @param least  lower limits that the filter assumes: standard deviation of the bias at turn-on
+///               and its walk, in units of H x
 void add_sensor(ErrorModel& model, const SensorFaults& faults, int axis, LinearSensor sensor,
-                double unit, std::pair<double, double> least = {0, 0}) {
-  const double turn_on = std::max(std::abs(unit) * faults.turn_on_bias(axis), least.first);
-  const double walk = std::max(std::abs(unit) * faults.bias_walk(axis), least.second);
+                double unit, std::pair<double, double> min = {0, 0}) {
+  const double turn_on = std::max(std::abs(unit) * faults.turn_on_bias(axis), min.first);
+  const double walk = std::max(std::abs(unit) * faults.bias_walk(axis), min.second);
   const double correlated = std::abs(unit) * faults.correlated_noise(axis);
   sensor.H.conservativeResizeLike(Eigen::VectorXd::Zero(model.A.rows()));
   model.sensors.push_back(std::move(sensor));
@@ -78,8 +78,8 @@ void add_sensor(ErrorModel& model, const SensorFaults& faults, int axis, LinearS
                     1 / faults.correlation));
 }
 
-/// While the vehicle stands, its motion is known and the sensors show their slow errors.
-/// @param motion  the first states, those of the motion and the inertial sensors
+/// While the vehicle is stationary, its motion is known and the sensors reveal their slow errors.
+/// @param motion  number of the first states, those of the motion and the inertial sensors
 void stand(ErrorModel& model, Eigen::Index motion, double duration) {
   const Eigen::Index slow = model.A.rows() - motion;
   if (slow == 0 || !(duration > 0)) return;
@@ -100,7 +100,7 @@ double density(const SensorFaults& faults, double noise) {
   return variance_of(faults, noise) / faults.rate;
 }
 
-/// The velocity has the clock of the position and errors of its own.
+/// The velocity errors, with the sample clock of the position.
 SensorFaults velocity_of(const GpsSensor& gps) {
   SensorFaults velocity;
   velocity.rate = gps.position.rate;
@@ -112,21 +112,19 @@ SensorFaults velocity_of(const GpsSensor& gps) {
 
 bool sees_flow(const Sensors& sensors, const SensorBoundOptions& options) {
   return sensors.flow && present(sensors.flow->faults) &&
-         options.height >= sensors.flow->least_height &&
-         options.height <= sensors.flow->greatest_height;
+         options.height >= sensors.flow->min_height && options.height <= sensors.flow->max_height;
 }
 
 bool hears_echo(const Sensors& sensors, const SensorBoundOptions& options) {
   return sensors.sonar && present(sensors.sonar->faults) &&
-         options.height >= sensors.sonar->least_range &&
-         options.height <= sensors.sonar->greatest_range;
+         options.height >= sensors.sonar->min_range && options.height <= sensors.sonar->max_range;
 }
 
 /// One horizontal axis: position, velocity, tilt, bias of the gyroscope, bias of the accelerometer.
 ///
 ///     p' = v,  v' = -g θ - b_a - n_a,  θ' = -b_g - n_g
 ///
-/// @param axis  0 north, 1 east: east has the signs of tilt and b_g changed
+/// @param axis  0 north, 1 east; for east, tilt and b_g have the opposite signs
 ErrorModel horizontal_model(const Sensors& sensors, const SensorBoundOptions& options, int axis) {
   const SensorFaults& gyro = *sensors.gyroscope;
   const SensorFaults& force = *sensors.accelerometer;
@@ -194,7 +192,7 @@ ErrorModel vertical_model(const Sensors& sensors, const SensorBoundOptions& opti
     const BarometerSensor& barometer = *sensors.barometer;
     const double fall = std::isfinite(barometer.fall) ? std::abs(barometer.fall)
                                                       : options.air_density * options.gravity;
-    // The pressure at the ground is not known beforehand.
+    // The pressure at the ground is unknown.
     if (fall > 0)
       add_sensor(model, barometer.faults, 0,
                  sensor_of(barometer.faults, barometer.faults.noise(0), unit(3, 0), 1 / fall),

@@ -5,7 +5,7 @@
 
 namespace quadtune {
 
-std::string in_words(const Sensors& sensors) {
+std::string describe(const Sensors& sensors) {
   std::string text;
   const auto add = [&](const char* name, const SensorFaults& faults, double noise, const char* unit,
                        const std::string& more = "") {

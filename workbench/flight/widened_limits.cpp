@@ -16,11 +16,11 @@ namespace {
 constexpr double kLargest = 1e12;
 
 struct Floor {
-  double bound;  ///< rms of the best filter's error
-  double value;  ///< the tightest limit that it keeps
+  double bound;  ///< rms of the optimal filter's error
+  double value;  ///< the tightest limit that it satisfies
 };
 
-/// The greatest value of an error whose rms is kRmsOverBound times the bound's.
+/// The rarely exceeded maximum of an error with kRmsOverBound times the bound's rms.
 double most_floor(double most_rarely) { return kRmsOverBound * most_rarely; }
 
 double rms_floor(const ErrorSize& size) {
@@ -66,11 +66,11 @@ std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& missi
   std::vector<WidenedLimit> widened;
   for (Limit& limit : mission.limits) {
     const std::optional<Floor> floor = floor_of(limit.metric, bound);
-    if (!floor || !(floor->value > limit.most)) continue;
+    if (!floor || !(floor->value > limit.max)) continue;
     const double judged = std::min(floor->value, kLargest);
     widened.push_back({name_of(limit.metric), label_of(limit.metric), unit_of(limit.metric),
-                       limit.most, floor->bound, judged});
-    limit.most = judged;
+                       limit.max, floor->bound, judged});
+    limit.max = judged;
   }
   const bool settles =
       std::any_of(mission.limits.begin(), mission.limits.end(),
@@ -79,9 +79,9 @@ std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& missi
   SettlingRule& rule = mission.settling;
   const auto widen = [&](const char* what, const char* label, const char* unit, double asked,
                          const ErrorSize& size, double& settled) {
-    const double most = most_floor(size.most_rarely);
-    if (!(most > asked)) return;
-    settled = std::min(most, kLargest);
+    const double max = most_floor(size.most_rarely);
+    if (!(max > asked)) return;
+    settled = std::min(max, kLargest);
     widened.push_back({what, label, unit, asked, size.rms, settled});
   };
   widen("settling_band", "settling band", "m", rule.band, bound.tracking, rule.settled_band);
@@ -90,7 +90,7 @@ std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& missi
   return widened;
 }
 
-std::string in_words(const WidenedLimit& widened) {
+std::string describe(const WidenedLimit& widened) {
   const std::string unit = widened.unit == "1" ? "" : " " + widened.unit;
   return fmt::format("bound of the sensors {:.3g}{} rms; judged by {:.3g}{} instead of {:.3g}{}",
                      widened.bound, unit, widened.judged, unit, widened.asked, unit);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Where the parameters stand.
+// Indices of the parameters.
 enum Place : Index { kMass, kInertiaX, kInertiaY, kInertiaZ, kThrust, kLag, kDelay, kCount };
 
 Vehicle with_parameters(Vehicle vehicle, const VectorXd& p) {
@@ -32,7 +32,7 @@ Vehicle with_parameters(Vehicle vehicle, const VectorXd& p) {
   return vehicle;
 }
 
-/// Nominal, the corners, and what else is asked for.
+/// The nominal vehicle, the corners, and the additional vehicle.
 std::vector<VectorXd> points_of(const LoopFamily& family, const VectorXd& also) {
   VectorXd nominal(kCount);
   for (Index i = 0; i < kCount; ++i)

@@ -81,7 +81,7 @@ std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws) {
     if (law.loop)
       check.detail = fmt::format("hover at {} m, estimator {}, {} sensors: largest |z| {:.6f}, {}",
                                  law.loop->at.height, law.loop->estimator, law.loop->sensors,
-                                 std::abs(law.loop->mode.z), in_words(*law.loop));
+                                 std::abs(law.loop->mode.z), describe(*law.loop));
     if (!law.problem.empty()) check.detail += (law.loop ? "; " : "") + law.problem;
     checks.push_back(check);
   }

@@ -10,8 +10,8 @@
 namespace quadtune {
 namespace {
 
-/// A hover with an estimator, empty for the usual one, or true states where the sensors feed none;
-/// its law sets the control period only.
+/// A hover with an estimator (empty: the default), or with true states if the sensors do not
+/// suffice for any; its law only defines the control period.
 FlightSetup hover_of(const Vehicle& vehicle, double dt, const std::string& estimator) {
   CascadeController law;
   law.gains.dt = dt;
@@ -28,7 +28,7 @@ std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind in
                                             const std::string& estimator) {
   const FlightSetup hover = hover_of(vehicle, dt, estimator);
   std::vector<FlownFamilyMember> family = {{"at 1.1 m", 1.1, 1, 1, true, {}}};
-  // Optical flow becomes velocity by the height, and so do its errors.
+  // Optical flow is converted to velocity with the height, and its errors scale with it.
   if (hover.estimator != EstimatorKind::truth && sensors_of(hover).flow) {
     family.push_back({"at 0.5 m", 0.5, 1, 1, true, {}});
     family.push_back({"at 3 m", 3, 1, 1, true, {}});
@@ -50,7 +50,7 @@ std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind in
       setup.flown->mass *= member.mass;
       for (Rotor& rotor : setup.flown->rotors) {
         rotor.lag *= member.lag;
-        rotor.lag_down *= member.lag;  // NaN, that of both, stays NaN
+        rotor.lag_down *= member.lag;  // NaN (same lag both ways) stays NaN
       }
     }
     FlownPlantOptions options;

@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-/// Of the position loops of a cascade, cut where they command the tilt: 31° of phase at least.
+/// Bound for the position loops of a cascade, cut at their tilt command: at least 31° of phase.
 constexpr double kOuterMs = 1.85;
 
 /// A bound counts as met within this factor.
@@ -38,16 +38,17 @@ VectorXd grid(double dt) {
 struct AxisLaw {
   FlownAxis axis = FlownAxis::north;
   double now = 0;            ///< as with_integrals()
-  double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s]; 0: no Ki
-  double load = 0;           ///< torque whose sudden end the cost includes if there is Ki [N m]
+  double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s]; 0: no integral
+  double load = 0;  ///< torque whose sudden removal the cost includes if there is an integral [N m]
   CascadeStructure structure = CascadeStructure::pid;
 };
 
-/// 4 |Kd| Ki / Kp² ≤ 1 of the group's loops, in terms of F = [p v tilt rate ∫p] or [p v ∫p].
+/// The bound 4 |Kd| Ki / Kp² ≤ 1 for the group's loops, in terms of F = [p v tilt rate ∫p] or [p v
+/// ∫p].
 std::vector<GainProductBound> structure_bounds(const AxisLaw& law) {
   if (law.structure == CascadeStructure::pid) return {};
   if (states_of(law.axis).size() != 4) return {{4, {-2, 1, 1}}};
-  // The tilt loop's own Kp is in all gains of the position loop and leaves their ratio.
+  // Kp of the tilt loop is a factor of all gains of the position loop and cancels in their ratio.
   std::vector<GainProductBound> bounds = {{4, {-2, 1, 0, 0, 1}}};
   if (law.tilt_integral > 0) bounds.push_back({4 * law.tilt_integral, {0, 0, -1, 1, 0}});
   return bounds;
@@ -65,7 +66,7 @@ FixedGainsMember member_of(const FlownFamilyMember& member, const AxisLaw& law,
     const Index nx = problem.Q.rows(), starts = problem.start.cols();
     problem.Q.conservativeResizeLike(MatrixXd::Zero(nx + 2, nx + 2));
     problem.start.conservativeResizeLike(MatrixXd::Zero(nx + 2, starts + 1));
-    // A load that ends leaves the loop with the integral that balanced it.
+    // When a load is removed, the integral that balanced it remains.
     problem.start(nx, starts) = law.load / law.tilt_integral;
   }
   if (!member.nominal) return result;
@@ -80,7 +81,7 @@ FixedGainsMember member_of(const FlownFamilyMember& member, const AxisLaw& law,
   return result;
 }
 
-/// The regulator with integrals of the same weights, without what it knows of its actuators.
+/// The regulator with integrals and the same weights, without its gains on actuator states.
 MatrixXd start_of(const Vehicle& vehicle, const StandardAxes& weights, double dt) {
   ActuatorLqiOptions options;
   options.dt = dt;
@@ -93,7 +94,8 @@ MatrixXd start_of(const Vehicle& vehicle, const StandardAxes& weights, double dt
   return all;
 }
 
-/// The loop `factor` times slower: the nth derivative of a deviation gets 1/factor^(order - n).
+/// Slows the loop by `factor`: the gain on the nth derivative of a deviation is scaled by
+/// 1/factor^(order - n).
 RowVectorXd slowed(const RowVectorXd& F, double factor) {
   const Index order = F.size() - 1;
   RowVectorXd result = F;
@@ -117,7 +119,7 @@ PeriodicLti loop_of(const FlownFamilyMember& member, const AxisLaw& law, const R
   return loop;
 }
 
-/// The worst margins of a group in nominal members.
+/// The worst margins of a group over the nominal members.
 double Ms_of(const FlownAxisGains& axis, const std::vector<FlownFamilyMember>& family) {
   double worst = 0;
   for (std::size_t i = 0; i < axis.margins.size(); ++i)
@@ -131,7 +133,7 @@ double disk_of(const FlownAxisGains& axis, const std::vector<FlownFamilyMember>&
   return worst;
 }
 
-/// Searches from `start`, slowed down until it is stable.
+/// Searches from `start`, after slowing it until it is stable.
 FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFamilyMember>& family,
                            const AxisLaw& law, const AxisWeights& weights,
                            const MarginBounds& asked) {
@@ -139,16 +141,16 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   members.reserve(family.size());
   for (const FlownFamilyMember& member : family) members.push_back(member_of(member, law, weights));
   RowVectorXd F = start;
-  constexpr int kMostSlowings = 25;
-  for (int i = 0; i < kMostSlowings && !stable(members, F); ++i) F = slowed(F, 1.25);
+  constexpr int kMaxSlowings = 25;
+  for (int i = 0; i < kMaxSlowings && !stable(members, F); ++i) F = slowed(F, 1.25);
   FlownAxisGains result;
   result.axis = law.axis;
   result.tilt_integral = law.tilt_integral;
   MarginBounds bounds = asked;
-  // The search bounds the margins on a grid and with the mean response of the plant alone. What the
-  // closed loop exceeds the bounds by is asked of the next search.
-  constexpr int kMostSearches = 3;
-  for (int i = 0; i < kMostSearches; ++i) {
+  // The search bounds the margins only on a grid and for the mean response of the plant. The next
+  // search compensates the excess of the actual closed loop over the bounds.
+  constexpr int kMaxSearches = 3;
+  for (int i = 0; i < kMaxSearches; ++i) {
     for (FixedGainsMember& member : members) member.bounds = bounds;
     result.search = fixed_gains(members, F, {.products = structure_bounds(law)});
     if (result.search.status == FixedGainsStatus::unstable_start) return result;
@@ -165,7 +167,7 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   return result;
 }
 
-/// The torque about a group's axis when one rotor makes 10 % less thrust than at hover.
+/// The torque about a group's axis if one rotor produces 10 % less thrust than at hover.
 double load_of(const Vehicle& vehicle, FlownAxis axis) {
   constexpr double kWeaker = 0.1;
   const Index across = axis == FlownAxis::north ? 0 : 1;
@@ -191,12 +193,12 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   const bool tilts = states.size() == 4;
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
   const double Kp = std::abs(result.F(2)), Kd = std::abs(result.F(3));
-  if (load_of(vehicle, axis) <= kGreatestLoadTilt * Kp) return result;
-  // Slower than the tilt loop, so that it takes little phase. The load that the cost includes is
-  // much smaller than that of the motor: the cost grows with its square, and a large load makes the
-  // integrals of the position so strong that steps overshoot.
+  if (load_of(vehicle, axis) <= kMaxLoadTilt * Kp) return result;
+  // Slower than the tilt loop, so that it costs little phase. The load in the cost is much smaller
+  // than that of the motor: the cost grows with its square, and a large load would make the
+  // position integrals so strong that steps overshoot.
   const double integral_share = options.structure == CascadeStructure::p_pi ? 0.2 : 0.35;
-  constexpr double kCountedTilt = 0.03;  // [rad] that the load would leave without the integral
+  constexpr double kCountedTilt = 0.03;  // [rad] steady tilt under the load without the integral
   law.tilt_integral = integral_share * Kp / Kd;
   law.load = kCountedTilt * Kp;
   FlownAxisGains with = search_from(result.F, family, law, weights, options.bounds);
@@ -221,7 +223,7 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
   FlownGains result;
   result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
   if (const std::string why = why_no_estimator(vehicle); options.estimator.empty() && !why.empty())
-    result.notes.push_back(why + "; the gains are for true states");
+    result.notes.push_back(why + "; the gains are designed for true states");
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);
   result.axes.resize(kFlownAxes.size());
@@ -235,12 +237,12 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
                                    "{}",
                                    vehicle.name, to_string(axis.axis), axis.search.culprit),
                        vehicle.name);
-    // The last search may have been asked for more than the options ask.
+    // The last search may have had tighter bounds than the options.
     const bool within = Ms_of(axis, result.family) <= options.bounds.Ms * kBoundSlack &&
                         disk_of(axis, result.family) * kBoundSlack >= options.bounds.disk;
     if (!within)
       result.notes.push_back(
-          fmt::format("{}: Ms is {:.3f} and the disk margin {:.3f}, asked for {} and {}",
+          fmt::format("{}: Ms is {:.3f} and the disk margin {:.3f}, required are {} and {}",
                       to_string(axis.axis), Ms_of(axis, result.family),
                       disk_of(axis, result.family), options.bounds.Ms, options.bounds.disk));
     else if (axis.search.status == FixedGainsStatus::no_convergence)
@@ -285,7 +287,7 @@ Gains as_state_feedback(const FlownGains& from, const Vehicle& vehicle, double d
     const FlownAxisGains& one = from.axes[i];
     if (one.tilt_integral != 0)
       throw InvalidInput(vehicle.name, fmt::format("the gains of {} have an integral in the tilt "
-                                                   "loop, expected none in state feedback",
+                                                   "loop, which state feedback cannot represent",
                                                    to_string(one.axis)));
     const std::vector<Index>& states = states_of(one.axis);
     for (std::size_t j = 0; j < states.size(); ++j)

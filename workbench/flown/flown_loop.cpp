@@ -12,7 +12,7 @@
 namespace quadtune {
 namespace {
 
-/// "a", "a and b", "a, b and c".
+/// For example "a", "a and b" or "a, b and c".
 std::string joined(const std::vector<std::string>& names, const std::string& last = "and") {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -20,8 +20,8 @@ std::string joined(const std::vector<std::string>& names, const std::string& las
   return text;
 }
 
-/// Whether a state is one of a sensor, or a sample that waits: it says nothing about a mode that
-/// the states of the vehicle and the estimator do not.
+/// Whether a state belongs to a sensor or is a delayed sample. Such states add nothing to the
+/// description of a mode by the states of the vehicle and the estimator.
 bool is_of_sensor(const std::string& state) {
   for (const char* start : {"waiting ", "accelerometer", "gyroscope", "magnetometer", "barometer",
                             "sonar", "flow", "GPS", "vision"})
@@ -51,7 +51,7 @@ std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop) {
     auto* feedback = std::get_if<StateFeedbackController>(&setup.controller);
     const bool remembers = feedback != nullptr && feedback->gains.memory;
     if (remembers) {
-      // The law knows its own commands: they are half as large, too.
+      // The law uses its own commands, which are half as large, too.
       feedback->gains.K *= gain;
       feedback->gains.K_int *= gain;
       feedback->gains.memory->K_lag *= gain;
@@ -94,7 +94,7 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
   const FlownPlantOptions of_plant = plant_options(setup, options);
   const FlownPlant plant = flown_plant(setup, of_plant);
   const PeriodicLti whole = cut_at_inputs(plant.plant, flown_law(setup));
-  // A law of some states only leaves the others alone: they are part of no loop.
+  // A law that uses only some states does not affect the others; they are not part of the loop.
   std::vector<Eigen::Index> kept;
   const PeriodicLti cut = loop_part(whole, &kept);
   FlownLoop loop;
@@ -115,17 +115,17 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
   loop.margins.dt = loop.dt;
   for (const Signal& input : cut.inputs) loop.margins.names.push_back(input.name);
   if (options.evidence == MarginsEvidence::none) return loop;
-  const std::vector<PeriodicLti> channels = own_channels(cut);
+  const std::vector<PeriodicLti> channels = decoupled_channels(cut);
   loop.margins.loops.resize(channels.size());
   const auto one = [&](std::size_t i) { loop.margins.loops[i] = loop_margins(channels[i]); };
   internal::in_parallel(channels.size(), internal::thread_count(0), [&] { return one; }, {});
   return loop;
 }
 
-std::string in_words(const FlownLoop& loop) {
+std::string describe(const FlownLoop& loop) {
   const double rate = std::abs(loop.decay());
   std::string text = joined(loop.mode.states) + ": ";
-  constexpr double kNeutral = 1e-6;  // [1/s], less than any flight can show
+  constexpr double kNeutral = 1e-6;  // [1/s], too small to be observable in a flight
   if (rate < kNeutral)
     text += "neither grows nor decays";
   else

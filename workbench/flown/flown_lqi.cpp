@@ -20,8 +20,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The delay of the loop of the rates in control periods: that of the commands, the gyroscope's,
-/// and the group delay of its response at low frequencies, 2 ζ/ω_n.
+/// The delay of the rate loop in control periods: the delays of commands and gyroscope, and the
+/// group delay of the gyroscope's response at low frequencies, 2 ζ/ω_n.
 int late_periods(const Vehicle& vehicle, double dt) {
   double delay = vehicle.motor.delay + 0.5 * vehicle.motor.delay_jitter;
   if (const auto& gyroscope = vehicle.sensors.gyroscope) {
@@ -29,11 +29,11 @@ int late_periods(const Vehicle& vehicle, double dt) {
     if (gyroscope->natural_frequency > 0)
       delay += 2 * gyroscope->damping / gyroscope->natural_frequency;
   }
-  return std::clamp(static_cast<int>(std::lround(delay / dt)), 0, kMostPastCommands);
+  return std::clamp(static_cast<int>(std::lround(delay / dt)), 0, kMaxPastCommands);
 }
 
-/// What rounding leaves of groups of axes that are independent: nothing.
-/// @param size  of what each column is multiplied by
+/// Sets couplings between independent groups of axes that result from rounding to zero.
+/// @param size  typical size of the factor of each column
 void drop_rounding(MatrixXd& K, const VectorXd& size) {
   constexpr double kRounding = 1e-9;
   for (Index i = 0; i < K.rows(); ++i) {
@@ -43,7 +43,7 @@ void drop_rounding(MatrixXd& K, const VectorXd& size) {
   }
 }
 
-/// @param usual  weights by Bryson's rule, for the sizes of states, inputs and integrals
+/// @param usual  weights by Bryson's rule, which define the sizes of states, inputs and integrals
 void drop_rounding(Gains& gains, const ActuatorLqiWeights& usual) {
   const VectorXd states = usual.Q.diagonal().cwiseSqrt().cwiseInverse();
   const VectorXd inputs = usual.R.diagonal().cwiseSqrt().cwiseInverse();
@@ -67,11 +67,11 @@ class Softening {
         weights_(options.weights.value_or(usual_)),
         past_(past) {}
 
-  /// The first design with its margins, or else the one with the largest share of them.
-  /// @param lower  the weights of positions, rather than raise those of commands
+  /// Returns the first design that has its margins, or else the one with the largest share of them.
+  /// @param lower  whether to lower the weights of positions instead of raising those of commands
   FlownLqi run(int steps, bool lower) {
     FlownLqi best;
-    double most = -1;
+    double max = -1;
     std::array<double, 4> factors{1, 1, 1, 1};
     for (int i = 0; i <= steps; ++i) {
       FlownLqi result;
@@ -81,8 +81,8 @@ class Softening {
       const double share = *std::min_element(shares.begin(), shares.end());
       result.met = share >= 1;
       result.share = share;
-      if (share > most) {
-        most = share;
+      if (share > max) {
+        max = share;
         best = std::move(result);
       }
       if (best.met) break;
@@ -117,24 +117,24 @@ class Softening {
     drop_rounding(result.lqi.gains, usual_);
   }
 
-  /// @return  the share of the margins that the loop of one group has in nominal members; 0 where
-  ///          it is unstable in any
+  /// @return  the share of the margins of one group's loop over the nominal members; 0 if it is
+  ///          unstable for any member
   double share(const DiscreteLti& law, FlownAxis axis) const {
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (const FlownFamilyMember& member : family_) {
       const PeriodicLti loop = axis_loop(member.plant, axis, law);
       if (member.nominal) {
-        least = std::min(least, share_of(loop_margins(loop), options_.margins));
+        min = std::min(min, share_of(loop_margins(loop), options_.margins));
       } else {
         const Eigen::VectorXcd poles = periodic_poles(closed(loop));
-        if (poles.size() > 0 && !(std::abs(poles(0)) < 1)) least = 0;
+        if (poles.size() > 0 && !(std::abs(poles(0)) < 1)) min = 0;
       }
-      if (!(least > 0)) return 0;
+      if (!(min > 0)) return 0;
     }
-    return least;
+    return min;
   }
 
-  /// The gains that make the command of one group.
+  /// The gains that determine the command of one group.
   static VectorXd gains_of(const Gains& gains, FlownAxis axis) {
     const Index row = wrench_of(axis);
     std::vector<double> all;
@@ -150,7 +150,7 @@ class Softening {
     return Eigen::Map<const VectorXd>(all.data(), std::ssize(all));
   }
 
-  /// @return  the share of each group; gains that were judged before are not judged again
+  /// @return  the share of each group; results for earlier gains are reused
   std::array<double, 4> judge(const FlownLqi& result) {
     const DiscreteLti law = flown_law(vehicle_, result.lqi.gains, options_.dt);
     std::array<double, 4> shares{};
@@ -195,7 +195,7 @@ bool better(const FlownLqi& one, const FlownLqi& other) {
   return one.met ? total(one) < total(other) : one.share > other.share;
 }
 
-/// The margins of each group in each member.
+/// Computes the margins of each group for each member.
 void set_margins(FlownLqi& design, const Vehicle& vehicle, const FlownLqiOptions& options,
                  const std::vector<FlownFamilyMember>& family) {
   const DiscreteLti law = flown_law(vehicle, design.lqi.gains, options.dt);
@@ -237,7 +237,7 @@ FlownLqiOptions flown_lqi_options(const Vehicle& vehicle, const LqiDesign& desig
   if (design.R) weights.R = design.R->asDiagonal();
   if (design.R_change) {
     weights.R_change = design.R_change->asDiagonal();
-    options.least_past = 1;
+    options.min_past = 1;
   }
   options.weights = weights;
   return options;
@@ -246,8 +246,8 @@ FlownLqiOptions flown_lqi_options(const Vehicle& vehicle, const LqiDesign& desig
 FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
   const std::vector<FlownFamilyMember> family =
       flown_family(vehicle, InputKind::wrench, options.dt);
-  // A law that predicts by the delay of the rates has the largest margins in most cases; what the
-  // estimator adds may call for more.
+  // Usually the margins are largest if the law predicts by the delay of the rates; the estimator
+  // may add delay.
   const int late = late_periods(vehicle, options.dt);
   FlownLqi best;
   std::vector<Softening> lengths;
@@ -256,7 +256,7 @@ FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
   else
     for (const int more : {0, 1, 2, 4})
       lengths.emplace_back(vehicle, options, family,
-                           std::clamp(late + more, options.least_past, kMostPastCommands));
+                           std::clamp(late + more, options.min_past, kMaxPastCommands));
   const auto attempt = [&](int steps, bool lower) {
     for (Softening& length : lengths) {
       if (best.met && total(best) <= 1) return;

@@ -12,7 +12,7 @@ std::vector<std::string> flown_messages(const std::vector<std::string>& notes,
   tell("note: ", notes);
   tell("note: ", flown_notes(flown));
   tell("note: ", margin_notes(flown.margins));
-  if (flown.grows()) messages.push_back("warning: the flown loop is unstable; " + in_words(flown));
+  if (flown.grows()) messages.push_back("warning: the flown loop is unstable; " + describe(flown));
   tell("warning: ", margin_warnings(flown.margins));
   return messages;
 }

@@ -22,9 +22,10 @@ Controller at_period(Controller law, double dt) {
   }
   auto& feedback = std::get<StateFeedbackController>(law);
   if (feedback.gains.memory)
-    throw InvalidInput("flown periods",
-                       "the law remembers its commands of one period, expected gains that can be "
-                       "used with another");
+    throw InvalidInput(
+        "flown periods",
+        "the law has a memory of its commands with one period; expected gains that can be "
+        "used with another");
   feedback.dt = dt;
   return law;
 }
@@ -44,7 +45,7 @@ std::vector<FlownPeriod> flown_at_periods(const Vehicle& vehicle, const Controll
       all[i].why = error.what();
     }
   };
-  (void)at_period(law, 1);  // refuses a law with memory
+  (void)at_period(law, 1);  // rejects a law with memory
   internal::in_parallel(all.size(), internal::thread_count(0), [&] { return one; }, {});
   return all;
 }

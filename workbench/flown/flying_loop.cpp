@@ -14,7 +14,7 @@
 namespace quadtune {
 namespace {
 
-/// Where a state of quadtune's own stands in the gains' trim; 0 if the gains do not have it.
+/// Looks up a state of ned in the gains' trim; 0 if the gains do not have it.
 class NedTrim {
  public:
   explicit NedTrim(const Gains& gains) {
@@ -27,11 +27,11 @@ class NedTrim {
     x_ = words.from_ned.transpose() * full;
   }
 
-  /// The steady flight that this trim belongs to.
+  /// The flight condition of this trim.
   [[nodiscard]] FlightCondition condition() const {
     const Eigen::Vector3d ground = rotation_of_euler(x_(3), x_(4), x_(5)) * x_.segment<3>(6);
     const double turn = (x_(10) * std::sin(x_(3)) + x_(11) * std::cos(x_(3))) / std::cos(x_(4));
-    // Trims are solved to 1e-10: less than this is rest, less turn is straight.
+    // Trims are solved to 1e-10: smaller speeds mean rest, and smaller rates straight flight.
     const auto or_zero = [](double value) { return std::abs(value) < 1e-8 ? 0 : value; };
     return steady_flight(or_zero(ground.head<2>().norm()), or_zero(-ground.z()), or_zero(turn),
                          x_(5));

@@ -26,7 +26,7 @@ sockaddr_in address_of(in_addr host, std::uint16_t port) {
   return address;
 }
 
-/// POSIX declares addresses of all families as this.
+/// POSIX uses this type for addresses of all families.
 const sockaddr* any_family(const sockaddr_in& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
@@ -41,13 +41,13 @@ LinkSocket::LinkSocket(int type, const LinkTarget& target, std::uint16_t local_p
   in_addr host = {};
   if (inet_pton(AF_INET, target.host.c_str(), &host) != 1) fail(EINVAL);
   address_ = address_of(host, target.port);
-  // Without SO_BROADCAST the system refuses the broadcast address of any network that it is on.
+  // Without SO_BROADCAST, the system rejects the broadcast addresses of its networks.
   descriptor_ = ::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor_ < 0) fail(errno);
   const int on = 1;
   if (stream_) ::setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   if (local_port == 0) return;
-  // A connection that ended a moment ago does not keep its port from the next one.
+  // Allows to reuse the port of a connection that has just ended.
   if (stream_) ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   const sockaddr_in local = address_of({htonl(INADDR_ANY)}, local_port);
   if (::bind(descriptor_, any_family(local), sizeof local) == 0) return;
@@ -112,7 +112,7 @@ Waited LinkSocket::receive(std::vector<std::uint8_t>& bytes, LinkClock::time_poi
     const ssize_t count = ::recvfrom(descriptor_, part.data(), part.size(), 0,
                                      reinterpret_cast<sockaddr*>(&from), &size);
     if (count < 0 && has_to_wait(errno)) continue;
-    // A peer that resets the connection has ended it.
+    // A reset by the peer counts as the end of the connection.
     if (count < 0 && stream_ && errno == ECONNRESET) {
       bytes.clear();
       return Waited::ready;

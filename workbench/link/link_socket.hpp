@@ -14,7 +14,7 @@
 
 namespace quadtune::workbench {
 
-/// Whether what was waited for happened.
+/// Result of a wait.
 enum class Waited { ready, timed_out, interrupted };
 
 using LinkClock = std::chrono::steady_clock;
@@ -31,13 +31,13 @@ class LinkSocket {
   LinkSocket& operator=(const LinkSocket&) = delete;
 
   /// Connects a stream.
-  /// @throws FileError  if it is refused or fails in another way
+  /// @throws FileError  if the connection is refused or another error occurs
   [[nodiscard]] Waited connect(LinkClock::time_point deadline);
   /// Sends bytes over the connection, or as one datagram to the target.
   /// @throws FileError
   [[nodiscard]] Waited send(std::span<const std::uint8_t> bytes, LinkClock::time_point deadline);
-  /// What the peer sends: the next bytes of the connection, none at its end; or the next datagram
-  /// from the target's address.
+  /// Receives the next bytes of the connection (empty at its end), or the next datagram from the
+  /// target's address.
   /// @throws FileError
   [[nodiscard]] Waited receive(std::vector<std::uint8_t>& bytes, LinkClock::time_point deadline);
 

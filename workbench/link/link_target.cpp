@@ -12,15 +12,15 @@
 namespace quadtune {
 namespace {
 
-/// Why an address is not that of one device; null if it is.
+/// Why an address is not that of a single device; null if it is.
 const char* why_not_one(const std::array<std::uint8_t, 4>& address) {
-  if (address[0] == 0) return "which means any address";
+  if (address[0] == 0) return "which is the unspecified address";
   if (address == std::array<std::uint8_t, 4>{255, 255, 255, 255})
-    return "which is heard by the whole network";
-  if (address[0] >= 224 && address[0] < 240) return "which is heard by a group";
+    return "which is received by the whole network";
+  if (address[0] >= 224 && address[0] < 240) return "which is a multicast address";
   if (address[0] >= 240) return "which is reserved";
-  if (address[3] == 255) return "which is heard by the whole network";
-  if (address[3] == 0) return "which means a network";
+  if (address[3] == 255) return "which is received by the whole network";
+  if (address[3] == 0) return "which denotes a network";
   return nullptr;
 }
 
@@ -45,18 +45,16 @@ std::string to_string(const LinkTarget& target) {
 }
 
 LinkTarget link_target(const std::string& word, LinkFirmware firmware) {
-  if (word.empty())
-    refuse_target(firmware, "is missing", "a command goes to the vehicle that you name");
+  if (word.empty()) refuse_target(firmware, "is missing", "the vehicle must be named");
   const std::string named = fmt::format("is '{}'", internal::printable(word));
   const std::size_t colon = word.rfind(':');
-  if (colon == std::string::npos)
-    refuse_target(firmware, named, "nothing is sent to a port by default");
+  if (colon == std::string::npos) refuse_target(firmware, named, "there is no default port");
   LinkTarget target{word.substr(0, colon), 0};
   std::array<std::uint8_t, 4> address{};
-  // A zero byte would end the text for inet_pton().
+  // A zero byte would end the text early in inet_pton().
   if (target.host.find('\0') != std::string::npos ||
       inet_pton(AF_INET, target.host.c_str(), address.data()) != 1)
-    refuse_target(firmware, named, "a host is four decimal numbers and no name is looked up");
+    refuse_target(firmware, named, "a host is four decimal numbers; names are not resolved");
   if (!read_port(word.substr(colon + 1), target.port))
     refuse_target(firmware, named, "a port is a number from 1 to 65535");
   if (const char* which = why_not_one(address))
@@ -73,18 +71,18 @@ LinkMessage link_message(LinkCommand command, std::optional<std::uint64_t> seque
   const LinkEntry& entry = link_entry(command.firmware, command.name);
   const bool numbered = command.firmware == LinkFirmware::native;
   if (sequence && !numbered)
-    throw OptionError(
-        "sequence", fmt::format("sequence is {}, expected none, because frames of the firmware {} "
-                                "have no number",
-                                *sequence, to_string(command.firmware)));
+    throw OptionError("sequence", fmt::format("sequence is {}, but frames of the firmware {} "
+                                              "have no sequence number",
+                                              *sequence, to_string(command.firmware)));
   if (sequence && *sequence > 255)
     throw OptionError("sequence", fmt::format("sequence is {}, expected 0 to 255, because it is "
                                               "one byte",
                                               *sequence));
   if (!sequence && numbered && !entry.stops)
-    throw OptionError("sequence",
-                      "sequence is missing, expected 0 to 255, one more than in the frame before, "
-                      "because the vehicle orders frames by it");
+    throw OptionError(
+        "sequence",
+        "sequence is missing, expected 0 to 255, one more than in the previous frame, "
+        "because the vehicle orders frames by it");
   LinkMessage message;
   if (sequence) command.sequence = static_cast<std::uint8_t>(*sequence);
   message.command = command;
@@ -92,7 +90,7 @@ LinkMessage link_message(LinkCommand command, std::optional<std::uint64_t> seque
   for (int i = 0; i < parts; ++i) {
     LinkCommand part = command;
     part.sequence = static_cast<std::uint8_t>(command.sequence + 64 * i);
-    (void)link_frame(part);  // refuses values beyond their limits
+    (void)link_frame(part);  // rejects values beyond their limits
     message.parts.push_back(part);
   }
   return message;

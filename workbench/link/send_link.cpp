@@ -22,7 +22,7 @@ LinkClock::time_point deadline_of(const LinkOptions& options) {
          std::chrono::ceil<LinkClock::duration>(std::chrono::duration<double>(options.timeout_s));
 }
 
-/// For what cannot be sent in time.
+/// Reports a timeout while connecting or sending.
 [[noreturn]] void refuse_late(const LinkTarget& target, const LinkOptions& options,
                               const std::string& what) {
   throw FileError(to_string(target), fmt::format("{} within {} s, expected a Mambo that listens "
@@ -34,7 +34,7 @@ bool expects_answer(const LinkCommand& command) {
   return command.acknowledged && link_entry(command.firmware, command.name).answered;
 }
 
-/// Table 5.1: one connection, and whatever the vehicle answers.
+/// Table 5.1: one connection; any reply is accepted.
 LinkDelivery send_stream(const LinkMessage& message, const LinkTarget& target,
                          const LinkOptions& options) {
   LinkDelivery delivery;
@@ -57,7 +57,7 @@ LinkDelivery send_stream(const LinkMessage& message, const LinkTarget& target,
   return delivery;
 }
 
-/// Frames of the native firmware and which of them were acknowledged.
+/// Frames of the native firmware, and which of them are acknowledged.
 class Datagrams {
  public:
   Datagrams(const LinkMessage& message, const LinkTarget& target, const LinkOptions& options)
@@ -68,7 +68,7 @@ class Datagrams {
     for (const LinkCommand& part : message.parts) waiting_.push_back(link_frame(part));
   }
 
-  /// Sends what was not acknowledged yet.
+  /// Sends the frames that are not acknowledged yet.
   void send(LinkDelivery& delivery, LinkClock::time_point deadline) {
     for (const LinkFrame& frame : waiting_) {
       const Waited sent = socket_.send(frame, deadline);
@@ -84,7 +84,7 @@ class Datagrams {
     }
   }
 
-  /// Waits until all are acknowledged. Whatever else the vehicle sends is left alone.
+  /// Waits until all are acknowledged. Other datagrams of the vehicle are ignored.
   void receive(LinkDelivery& delivery, LinkClock::time_point deadline) {
     std::vector<std::uint8_t> reply;
     while (!waiting_.empty()) {
@@ -141,12 +141,13 @@ std::string to_string(LinkStatus status) {
 
 void require_valid(const LinkOptions& options) {
   if (!std::isfinite(options.timeout_s) || options.timeout_s < 0.01 || options.timeout_s > 60)
-    throw OptionError("timeout", fmt::format("timeout is {}, expected 0.01 to 60 s, because every "
-                                             "wait has an end",
-                                             options.timeout_s));
+    throw OptionError("timeout",
+                      fmt::format("timeout is {}, expected 0.01 to 60 s, because every wait "
+                                  "has a time limit",
+                                  options.timeout_s));
   if (options.tries < 1 || options.tries > 100)
     throw OptionError("tries", fmt::format("tries is {}, expected 1 to 100, because the vehicle "
-                                           "may be gone",
+                                           "may be unreachable",
                                            options.tries));
   if (options.local_port > 65535)
     throw OptionError("local-port",

@@ -11,29 +11,28 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
 #include "quadtune/workbench/logs/sensor_log.hpp"
 
 namespace quadtune {
 namespace {
 
-/// Of the rate whose integral is in `unit`.
+/// The unit of the rate whose integral has the unit `unit`.
 std::string unit_of_rate(const std::string& unit) {
   if (unit.empty()) return "";
   if (unit == "s") return "1";
   return unit.ends_with("/s") ? unit + "^2" : unit + "/s";
 }
 
-/// A whole turn in the unit of an angle; 0 of anything else.
+/// A whole turn in the unit of an angle; 0 for other units.
 double turn_in(const std::string& unit) {
   if (unit == "rad") return 2 * std::numbers::pi;
   return unit == "deg" ? 360 : 0;
 }
 
-/// Takes out the jumps of an angle that is kept within a turn: a still sensor's never changes by
-/// half a turn from one sample to the next.
-/// @return  how many there were
+/// Unwraps an angle: the angle of a stationary sensor never changes by half a turn between samples.
+/// @return  the number of jumps
 Eigen::Index unwrap(Eigen::VectorXd& angle, double turn) {
   Eigen::Index jumps = 0;
   double added = 0;
@@ -62,10 +61,10 @@ AllanRecord read(const AllanOptions& options) {
   Eigen::VectorXd phase = values;
   if (const double turn = turn_in(unit); turn > 0)
     if (const Eigen::Index jumps = unwrap(phase, turn); jumps > 0) {
-      record.warnings.push_back(fmt::format(
-          "{}: '{}' jumps by more than half a turn {} times: the angle is kept within a turn, "
-          "and whole turns are added where it jumps",
-          name, internal::printable(series.name), jumps));
+      record.warnings.push_back(
+          fmt::format("{}: '{}' jumps by more than half a turn {} times: the angle is wrapped, "
+                      "and whole turns are added at the jumps",
+                      name, internal::printable(series.name), jumps));
       if (options.note) options.note(record.warnings.back());
     }
   record.rate = rate_of_phase(phase, dt);
@@ -93,8 +92,8 @@ SensorAllan allan_of_log(const AllanOptions& options) {
   return analysed(read(options), options.taus);
 }
 
-SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
-  MadeUpGyroscope made = make_up_gyroscope(seed);
+SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
+  SimulatedGyroscope made = simulate_gyroscope(seed);
   return analysed({fmt::format("made up with seed {}", seed), "wz", unit.empty() ? "rad/s" : unit,
                    std::move(made.rate), 1 / made.sample_rate},
                   taus);

@@ -14,8 +14,7 @@ using internal::printable;
 NoiseMethod noise_method(const std::string& word) {
   if (word == "ml") return NoiseMethod::likelihood;
   if (word == "als") return NoiseMethod::autocovariances;
-  throw OptionError("method",
-                    fmt::format("method: '{}' came, expected ml or als", printable(word)));
+  throw OptionError("method", fmt::format("method is '{}', expected ml or als", printable(word)));
 }
 
 std::vector<std::pair<std::string, std::string>> named_words(const std::vector<std::string>& texts,
@@ -27,7 +26,7 @@ std::vector<std::pair<std::string, std::string>> named_words(const std::vector<s
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
       throw OptionError(
-          key, fmt::format("{}: '{}' came, expected {}={}", key, printable(text), name, word));
+          key, fmt::format("{} is '{}', expected {}={}", key, printable(text), name, word));
     named.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return named;
@@ -40,8 +39,8 @@ std::vector<std::pair<std::string, double>> named_numbers(const std::vector<std:
     const auto [name, word] = named_words({text}, key, "NAME", "NUMBER").front();
     double value = 0;
     if (!internal::read_number(word, value))
-      throw OptionError(
-          key, fmt::format("{}: '{}' came for {}, expected a number", key, printable(word), name));
+      throw OptionError(key,
+                        fmt::format("{}: '{}' for {} is not a number", key, printable(word), name));
     named.emplace_back(name, value);
   }
   return named;

@@ -18,10 +18,10 @@ namespace {
 
 using ChannelNames = std::vector<std::string>;
 
-/// Asks a log for sensors, of which some need not be there.
+/// Collects the channels to read from a log, some of which are optional.
 class SensorWishes {
  public:
-  /// @param given  names that the log must have; none set: the usual ones, where it has them all
+  /// @param given  names that the log must have; none: the default names if the log has all of them
   void add(const std::optional<ChannelNames>& given, const ChannelNames& usual) {
     wishes_.push_back({given.value_or(usual), !given, {}, 0});
     ChannelNames& into = given ? required_ : optional_;
@@ -36,19 +36,20 @@ class SensorWishes {
     warnings_ = std::move(log.warnings);
     const std::vector<const LogSeries*> present = present_series();
     if (present.empty()) return;
-    // Sensors of another file have times of their own.
+    // Sensors from another file have their own times.
     for (std::size_t i = 0; i < required_.size(); ++i)
       if (&series_[i] != present.front() && channel_place(required_[i], path).file != path)
         series_[i] = interpolated(series_[i], present.front()->time);
     joined_ = join(present, log_name(path));
-    const auto most = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
+    const auto max = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
       return a->time.size() < b->time.size();
     });
-    if (options.note && joined_.t.size() < std::ssize((*most)->time))
-      options.note(fmt::format(
-          "warning: {} of {} samples of '{}' in {} lack one of another channel and are left out",
-          std::ssize((*most)->time) - joined_.t.size(), (*most)->time.size(),
-          internal::printable((*most)->name), log_name(path)));
+    if (options.note && joined_.t.size() < std::ssize((*max)->time))
+      options.note(
+          fmt::format("warning: {} of {} samples of '{}' in {} have no sample of another channel "
+                      "at the same time and are ignored",
+                      std::ssize((*max)->time) - joined_.t.size(), (*max)->time.size(),
+                      internal::printable((*max)->name), log_name(path)));
   }
 
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -63,11 +64,11 @@ class SensorWishes {
   struct Wish {
     ChannelNames names;
     bool usual;
-    std::vector<Eigen::Index> rows;  ///< of the joined values
-    std::size_t first;               ///< among the required or the optional names
+    std::vector<Eigen::Index> rows;  ///< in the joined values
+    std::size_t first;               ///< index among the required or the optional names
   };
 
-  /// Of the sensors all of whose channels are there; tells each wish its rows among them.
+  /// The series of the sensors that have all channels; stores the rows of each wish.
   std::vector<const LogSeries*> present_series() {
     std::vector<const LogSeries*> present;
     for (Wish& wish : wishes_) {
@@ -114,8 +115,8 @@ ImuLog read_log(const std::string& path, const ImuLogOptions& options,
   log.name = log_name(path);
   if (!wishes.has(0))
     throw MissingOption("accelerometer",
-                        fmt::format("{} has no columns ax, ay, az, expected --accelerometer X,Y,Z "
-                                    "with names or numbers of columns",
+                        fmt::format("{} has no columns ax, ay, az; expected --accelerometer X,Y,Z "
+                                    "with column names or numbers",
                                     log.name));
   log.t = wishes.t();
   log.accelerometer = wishes.values(0);
@@ -141,7 +142,7 @@ CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
   CalibratedImu result;
   result.options = options.calibration;
   if (options.made_up) {
-    result.truth = make_up_imu({.seed = *options.made_up, .warming = 8});
+    result.truth = simulate_imu({.seed = *options.made_up, .warming = 8});
     result.logs = {result.truth->log};
   } else {
     for (const std::string& path : options.logs)
@@ -165,8 +166,8 @@ ImuCalibrationFile calibration_file(const ImuCalibration& found,
       into.b = sensor.b;
     } else if (!base) {
       throw MissingOption(
-          "base", fmt::format("the logs have no {}, expected --base FILE, the imu_calib.txt whose "
-                              "numbers of it stay, because -o writes those of all three",
+          "base", fmt::format("the logs have no {}; expected --base FILE, the imu_calib.txt that "
+                              "provides its numbers, because -o writes those of all three sensors",
                               name));
     }
   };
@@ -175,7 +176,7 @@ ImuCalibrationFile calibration_file(const ImuCalibration& found,
   take(found.magnetometer, file.magnetometer, "magnetometer");
   const SensorCalibration& a = found.accelerometer;
   const SensorCalibration& g = found.gyroscope;
-  // Terms of another calibration do not belong to new biases.
+  // Temperature terms of another calibration do not apply to new biases.
   file.accelerometer_z_coefficient = a.d(2);
   file.accelerometer_t0 = a.t0;
   if (g.solved()) {

@@ -11,11 +11,11 @@ std::vector<std::string> log_warnings(const LogCondition& condition) {
   std::vector<std::string> lines;
   if (!condition.torn.empty()) lines.push_back("partial: " + condition.torn);
   if (condition.skipped > 0)
-    lines.push_back(fmt::format("{} {} passed over, the first: {}", condition.skipped,
+    lines.push_back(fmt::format("{} {} skipped, the first: {}", condition.skipped,
                                 condition.skipped == 1 ? "record" : "records",
                                 condition.first_skipped));
   if (condition.dropouts > 0)
-    lines.push_back(fmt::format("the logger itself lost records {} {}, {:.4g} s in all",
+    lines.push_back(fmt::format("the logger itself lost records {} {}, {:.4g} s in total",
                                 condition.dropouts, condition.dropouts == 1 ? "time" : "times",
                                 condition.dropout_s));
   lines.insert(lines.end(), condition.notes.begin(), condition.notes.end());

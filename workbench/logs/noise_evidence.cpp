@@ -13,19 +13,19 @@ namespace {
 
 using Eigen::Index;
 
-/// Entries of covariances that the smoother holds at once; beyond, states are the filter's.
-constexpr double kMostEntries = 5e7;
+/// Maximum number of covariance entries for the smoother; above it, the filter's states are used.
+constexpr double kMaxEntries = 5e7;
 
-/// Innovations that a running mean takes: enough to be steady, few enough to show a change.
+/// Window of the running mean: enough innovations to be steady, few enough to resolve changes.
 int window_of(Index innovations) {
   return static_cast<int>(std::clamp<Index>(innovations / 50, 20, 500));
 }
 
-/// Smoothed, where that can be.
+/// Smooths the states if possible.
 void smooth_states(const FilterModel& model, const Eigen::VectorXd& theta,
                    const FilterRecord& record, NoiseRun& run) {
   const Index nx = run.x.rows(), N = record.samples();
-  if (!(static_cast<double>(N) * static_cast<double>(nx * nx) < kMostEntries)) return;
+  if (!(static_cast<double>(N) * static_cast<double>(nx * nx) < kMaxEntries)) return;
   const SmoothedStates states = smooth(model, theta, record);
   if (!states.solved()) return;
   run.smoothed = true;
@@ -41,7 +41,8 @@ std::optional<NoiseRun> run_of(const FilterModel& model, const Eigen::VectorXd& 
   NoiseRun run;
   for (Index row = 0; row < filter.innovation.rows(); ++row) {
     const Index missing = filter.innovation.row(row).array().isNaN().count();
-    run.size.push_back(running_size(filter, row, window_of(record.samples() - missing)));
+    run.size.push_back(
+        normalized_innovation_window(filter, row, window_of(record.samples() - missing)));
   }
   run.innovation = std::move(filter.innovation);
   run.variance = std::move(filter.variance);
@@ -51,7 +52,7 @@ std::optional<NoiseRun> run_of(const FilterModel& model, const Eigen::VectorXd& 
   return run;
 }
 
-/// @param records  as the fit saw them
+/// @param records  as used in the fit
 std::vector<ParameterProfile> profiles_of(const TunedNoise& tuned,
                                           const std::vector<FilterRecord>& records,
                                           std::size_t threads, const std::function<bool()>& stop) {

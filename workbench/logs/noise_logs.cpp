@@ -17,7 +17,7 @@
 namespace quadtune {
 namespace {
 
-/// Signals that are fed by the channels of their names.
+/// Signals that use the channels with their own names.
 std::vector<Signal> fed_by_name(const FilterModel& model, const std::vector<NamedChannel>& named) {
   const auto is_named = [&](const Signal& signal) {
     return std::any_of(named.begin(), named.end(),
@@ -68,7 +68,7 @@ class FlightReader {
  private:
   enum class Kind { measured, truth };
 
-  /// A named channel, where it is, and what it is for.
+  /// A channel with its location and its use.
   struct Use {
     ChannelPlace place;
     Kind kind;
@@ -101,7 +101,7 @@ class FlightReader {
     }
   }
 
-  /// The named channels of one file, their times after the epoch of the first file read.
+  /// Reads the named channels of one file; its times have the epoch of the first file.
   void read_file(const std::string& file) {
     std::vector<std::string> channels;
     for (const Use& use : uses_)
@@ -130,7 +130,7 @@ class FlightReader {
   TunedLog result_;
 };
 
-/// Entries of θ that a covariance depends on.
+/// Entries of θ on which a covariance depends.
 std::set<int> parameters_of(const CovarianceModel& covariance) {
   std::set<int> result;
   for (const ScaledCovariance& term : covariance.scaled) result.insert(term.parameter);
@@ -150,7 +150,7 @@ bool is_measured(const FilterSensor& sensor, const std::vector<TunedLog>& logs) 
   });
 }
 
-/// What no channel measures stays as it is, and that is said.
+/// Fixes the parameters of sensors that no channel measures, and reports them.
 void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, const LogNote& note) {
   std::set<int> known = parameters_of(model.Q);
   for (const FilterSensor& sensor : model.sensors)
@@ -160,7 +160,9 @@ void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, con
       NoiseParameter& p = model.parameters[static_cast<std::size_t>(i)];
       if (p.fixed || known.contains(i)) continue;
       p.fixed = true;
-      if (note) note(fmt::format("{} stays as it is: no measurements of {}", p.name, sensor.name));
+      if (note)
+        note(
+            fmt::format("{} is not changed: there are no measurements of {}", p.name, sensor.name));
     }
 }
 

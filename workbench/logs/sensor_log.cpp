@@ -19,10 +19,10 @@ namespace {
 void require_timed(const LogSeries& series, const std::string& file) {
   if (series.name.empty()) return;
   if (!series.timed)
-    throw MissingOption(
-        "rate", fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
-                            "names no time",
-                            file));
+    throw MissingOption("rate",
+                        fmt::format("no sample rate; expected --rate HZ or --time COLUMN: {} "
+                                    "has no time column",
+                                    file));
   require_usable(series, file);
 }
 
@@ -48,7 +48,7 @@ SensorLog read_sensors(const std::string& path, const std::vector<std::string>& 
       if (place.file == file) here.push_back(place.channel);
     LogChannels log =
         read_channels(file, here, options, file == path ? optional : std::vector<std::string>{});
-    options.epoch_s = log.epoch_s;  // of one clock: that of the first file
+    options.epoch_s = log.epoch_s;  // common epoch: that of the first file
     for (const LogSeries& series : log.series) require_timed(series, log_name(file));
     auto next = log.series.begin();
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -82,10 +82,11 @@ JoinedSeries join(const std::vector<const LogSeries*>& series, const std::string
              std::llabs(std::ssize(b->time) - std::ssize(first));
     });
     throw InvalidInput(
-        where, fmt::format("only {} of {} samples of '{}' have one of all others at the same time "
-                           "('{}' has {} samples), expected sensors of one table",
-                           count, first.size(), internal::printable(series.front()->name),
-                           internal::printable((*other)->name), (*other)->time.size()));
+        where,
+        fmt::format("only {} of {} samples of '{}' coincide with samples of all other channels "
+                    "('{}' has {} samples), expected sensors with common sample times",
+                    count, first.size(), internal::printable(series.front()->name),
+                    internal::printable((*other)->name), (*other)->time.size()));
   }
   JoinedSeries result;
   result.t.resize(static_cast<Eigen::Index>(count));
@@ -110,10 +111,11 @@ double even_period(const LogSeries& series, const std::string& where) {
   for (std::size_t i = 0; i < steps.size(); ++i)
     if (steps[i] >= 1.5 * *middle)
       throw InvalidInput(
-          where, fmt::format("'{}' has a gap: sample {}, at {:.9g} s, comes {:.6g} s after the one "
-                             "before, expected {:.6g} s (the median), because means over a gap "
-                             "would be of another length",
-                             internal::printable(series.name), i + 2, t[i + 1], steps[i], *middle));
+          where,
+          fmt::format("'{}' has a gap: sample {}, at {:.9g} s, is {:.6g} s after the previous "
+                      "one, expected {:.6g} s (the median), because means over a gap "
+                      "would have another length",
+                      internal::printable(series.name), i + 2, t[i + 1], steps[i], *middle));
   return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
 }
 

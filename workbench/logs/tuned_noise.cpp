@@ -12,7 +12,7 @@
 namespace quadtune {
 namespace {
 
-/// Longest command or path that a tuned file repeats whole.
+/// Maximum length of a command or path that is repeated in a tuned file.
 constexpr std::size_t kCommentLength = 4096;
 
 std::string figure(double value) {
@@ -23,7 +23,7 @@ std::string figure(double value) {
 
 TunedNoise tune_noise(NoiseLogs logs, const NoiseTuningOptions& options) {
   std::vector<FilterRecord> joined;
-  if (logs.logs.size() > 1)  // one log's may be long: no second copy
+  if (logs.logs.size() > 1)  // a single log may be long; it is not copied
     for (const TunedLog& log : logs.logs)
       joined.insert(joined.end(), log.records.begin(), log.records.end());
   const std::vector<FilterRecord>& records =

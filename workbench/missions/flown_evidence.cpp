@@ -30,7 +30,7 @@ void reject_unstable(const FlownEvidence& evidence, const Eigen::VectorXd& start
   if (!result.accepted || !evidence.after || !evidence.after->grows()) return;
   result.accepted = false;
   result.best = start;
-  result.reason = "the flown loop of what was found is unstable: " + in_words(*evidence.after);
+  result.reason = "the flown loop of the result is unstable: " + describe(*evidence.after);
 }
 
 }  // namespace quadtune

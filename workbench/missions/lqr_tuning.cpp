@@ -19,10 +19,10 @@
 namespace quadtune {
 namespace {
 
-/// Of an integral's weight the share of its state's [1/s²].
+/// Ratio of an integral's weight to that of its state [1/s²].
 constexpr double kIntegralShare = 0.1;
 
-/// The name by which weights that are alike are one: x and y, roll and pitch, all rotors.
+/// The name shared by weights that are tied together: x and y, roll and pitch, all rotors.
 std::string kind_of(const std::string& name) {
   for (const auto& [a, b] : {std::pair("roll", "pitch"), std::pair("phi", "theta"),
                              std::pair("u", "v"), std::pair("p", "q"), std::pair("x", "y")})
@@ -36,13 +36,13 @@ std::string kind_of(const std::string& name) {
   return name;
 }
 
-/// Weights that one number scales.
+/// Weights that one parameter scales.
 struct Group {
   std::string name;
   std::vector<Eigen::Index> weights;
 };
 
-/// The search as the functions of a MissionTuning, which share this.
+/// The shared state of the functions of a MissionTuning.
 class LqrTuning {
  public:
   LqrTuning(LinearVehicle plant, const LqrDesign& design, bool standard, bool separate)
@@ -99,7 +99,7 @@ class LqrTuning {
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
 
  private:
-  /// Bryson's, in the order of the model's states; integrals by a share of their state's.
+  /// Sets Bryson's weights, in the order of the model's states; those of integrals in proportion.
   void take_standard_weights() {
     const Convention& words = ned_convention();
     const LqrWeights standard = standard_weights(cascade_vehicle(
@@ -115,8 +115,8 @@ class LqrTuning {
               standard.Q(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j));
   }
 
-  /// All weights but those of the first input and of what is tied to it: a gain tells weights up to
-  /// a factor.
+  /// Groups all weights except those of the first input and those tied to it: a gain determines the
+  /// weights only up to a factor.
   void make_groups(bool separate) {
     const std::vector<std::string>& names = lqr_->names();
     const auto kind = [&](Eigen::Index i) {

@@ -49,7 +49,7 @@ std::vector<CostTerm> read_cost(const TomlTable& table, MissionRequirements& req
     requirements.measure = robust_measure(table.text("measure"), table.where("measure"));
   requirements.share =
       table.number_or("quantile", requirements.share,
-                      {kLeastTail, Range::Bound::closed, 1 - kLeastTail, Range::Bound::closed});
+                      {kMinTail, Range::Bound::closed, 1 - kMinTail, Range::Bound::closed});
   if (table.has("draws"))
     requirements.draws = static_cast<std::uint32_t>(table.integer("draws", 1, 100000));
   std::vector<CostTerm> cost;
@@ -58,7 +58,7 @@ std::vector<CostTerm> read_cost(const TomlTable& table, MissionRequirements& req
       cost.push_back({*metric_of(name), table.number(name, Range::not_negative())});
   if (cost.empty()) return requirements.cost;
   if (std::all_of(cost.begin(), cost.end(), [](const CostTerm& t) { return t.weight == 0; }))
-    throw InvalidInput(table.where(), "no figure of [cost] has a weight of more than 0");
+    throw InvalidInput(table.where(), "no metric of [cost] has a weight above 0");
   return cost;
 }
 
@@ -75,7 +75,7 @@ std::vector<Limit> read_limits(const TomlTable& table) {
   return limits;
 }
 
-/// The mission's limits with those of the file in their place, by metric.
+/// The mission's limits, replaced by those of the file with the same metric.
 std::vector<Limit> with_limits(std::vector<Limit> limits, const std::vector<Limit>& instead) {
   for (const Limit& limit : instead) {
     const auto same = std::find_if(limits.begin(), limits.end(),
@@ -92,11 +92,11 @@ void add_limits(const MarginLimits& limits, const NamedMargins& loop,
                 std::vector<DesignLimit>& all) {
   const LoopMargins& m = loop.margins;
   const auto add = [&](const char* what, double value, const std::optional<double>& bound,
-                       bool at_least, double least = 0) {
+                       bool at_least, double min = 0) {
     if (bound)
       all.push_back({fmt::format("{} of {}", what, loop.name),
                      m.stable ? value : std::numeric_limits<double>::quiet_NaN(), *bound, at_least,
-                     least});
+                     min});
   };
   add("Ms", m.Ms, limits.Ms_max, false, 1);
   add("phase margin", m.phase_margin, limits.phase_min, true);
@@ -142,7 +142,7 @@ std::vector<DesignLimit> margin_limits(const MissionRequirements& requirements,
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InvalidInput(
           requirements.where,
-          fmt::format("no loop '{}', expected some of {}{}", internal::printable(name),
+          fmt::format("no loop '{}'; expected one or more of {}{}", internal::printable(name),
                       internal::joined(known, ", "), internal::did_you_mean(name, known)));
   std::vector<DesignLimit> all;
   for (std::size_t i = 0; i < loops.size(); ++i) {

@@ -20,13 +20,13 @@ namespace {
 constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
 
 std::uint32_t proof_draws(const TrialRequest& request, const MissionTuningOptions& options) {
-  const std::uint32_t least = least_draws(request);
-  if (options.proof == 0) return std::max(kUsualProof, least);
-  if (options.proof < least)
+  const std::uint32_t min = min_draws(request);
+  if (options.proof == 0) return std::max(kUsualProof, min);
+  if (options.proof < min)
     throw OptionError("proof",
-                      fmt::format("proof is {}, expected at least {} because fewer draws tell too "
-                                  "little of the {:g} quantile",
-                                  options.proof, least, request.share));
+                      fmt::format("proof is {}, expected at least {} because the {:g} quantile "
+                                  "requires as many draws",
+                                  options.proof, min, request.share));
   return options.proof;
 }
 
@@ -53,8 +53,8 @@ MissionTuningPlan plan_mission_tuning(const MissionTuning& tuning,
   MissionTuningPlan plan;
   plan.start = tuning.design(tuning.start);
   if (!plan.start.point.controller)
-    throw NoSolution(who + ": the design that the search begins with is not stable", "V");
-  // Refuses loops that are not there before anything flies.
+    throw NoSolution(who + ": the initial design of the search is unstable", "V");
+  // Rejects loops that do not exist before anything is flown.
   (void)margin_limits(requirements, plan.start.margins, plan.start.margins);
   TrialRequest& request = plan.request;
   request.cost = requirements.cost;
@@ -105,7 +105,7 @@ MissionTuningResult tune_missions(const MissionTuning& tuning,
   MissionTuningResult result;
   result.tuning = tuning;
   result.search = search_missions(space, *trial, search);
-  // After an interrupt what was found is still told and written: that is little work.
+  // After an interrupt, the result so far is still reported and written, which takes little time.
   const MissionTrial::Stop stop =
       result.search.end == SearchEnd::interrupted ? MissionTrial::Stop{} : options.stop;
   const TunedDesign best = tuning.design(result.search.candidate);
@@ -136,7 +136,7 @@ double DistanceOverTime::at(double t) const {
 
 std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
                                         const std::function<bool()>& stop) {
-  constexpr double kMostRows = 2e6;  // of a log in memory
+  constexpr double kMaxRows = 2e6;  // of a log in memory
   std::vector<Controller> controllers = {
       *result.tuning.design(result.tuning.start).point.controller,
       *result.tuning.design(result.search.candidate).point.controller};
@@ -146,7 +146,7 @@ std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
     TunedFlights flights{result.request.missions[m].name, {}};
     for (const Controller& controller : controllers) {
       FlightSetup setup = result.trial->setup(controller, m, result.request.draws);
-      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
+      if (duration_of(setup) / control_period(setup) > kMaxRows) return all;
       setup.log = true;
       flights.distances.push_back(distance_of(fly(setup, stop).log));
     }
@@ -159,9 +159,9 @@ std::string vehicle_text(const std::string& word) {
   const std::string vehicle =
       internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word;
   if (internal::valid_utf8(vehicle) != vehicle)
-    throw InvalidInput(
-        vehicle, "is not UTF-8, expected a path that a design file can name, as TOML is UTF-8");
-  return internal::json_text(internal::Json(vehicle));  // which is TOML, too
+    throw InvalidInput(vehicle,
+                       "is not UTF-8, expected a UTF-8 path, because design files are TOML");
+  return internal::json_text(internal::Json(vehicle));  // valid TOML, too
 }
 
 }  // namespace quadtune

@@ -13,7 +13,7 @@
 namespace quadtune {
 namespace {
 
-/// Loops whose gains are scaled by the same factors: x and y, pitch and roll are alike.
+/// Loops whose gains are scaled by the same factors, as for x and y, or pitch and roll.
 struct LoopGroup {
   std::string name;
   std::vector<CascadeAxis> axes;
@@ -38,7 +38,7 @@ PidLoop& loop_of(CascadeGains& gains, CascadeAxis axis) {
   throw InvalidInput("tune pid", "the cascade lacks the loop " + to_string(axis));
 }
 
-/// One number of the search: the logarithm of a factor.
+/// One parameter of the search: the logarithm of a factor.
 struct Knob {
   double PidLoop::*gain;
   std::vector<CascadeAxis> axes;
@@ -51,7 +51,7 @@ std::vector<NamedMargins> margins_of(const PidCascade& cascade) {
   return margins;
 }
 
-/// The search as the functions of a MissionTuning, which share this.
+/// The shared state of the functions of a MissionTuning.
 class PidTuning {
  public:
   PidTuning(const std::string& vehicle, const std::string& gains, bool separate)
@@ -112,7 +112,7 @@ class PidTuning {
     return all;
   }
 
-  /// A design file, which `quadtune design` and `fly --gains` read.
+  /// A design file that `quadtune design` and `fly --gains` accept.
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const CascadeController tuned = controller(x);
     std::string text = fmt::format(
@@ -132,7 +132,7 @@ class PidTuning {
     for (const PidLoop& loop : tuned.gains.loops)
       text += fmt::format("{} = {{ Kp = {}, Ki = {}, Kd = {} }}\n", loop.name, loop.Kp, loop.Ki,
                           loop.Kd);
-    // Files for the model project, where it takes the vehicle.
+    // Exports to the model project if it supports the vehicle.
     return text + fmt::format("\n[[export]]\nto = \"{}\"\n",
                               takes_mambo_files(vehicle_) ? "mambo" : "json");
   }

@@ -15,7 +15,7 @@ std::string why_not_sampled(const Eigen::MatrixXd& A) {
   constexpr double kNearOne = 0.5;
   if (A.size() == 0) return "";
   const Eigen::VectorXcd z = A.eigenvalues();
-  // A Jordan block of size n splits by the n-th root of the rounding.
+  // Rounding splits the eigenvalues of a Jordan block of size n by its n-th root.
   const double zero = std::max(1e-8, std::pow(1e-15, 1.0 / static_cast<double>(A.rows()))) *
                       std::max(A.norm(), 1e-300);
   std::vector<double> negative;
@@ -28,7 +28,7 @@ std::string why_not_sampled(const Eigen::MatrixXd& A) {
       negative.push_back(pole.real());
   }
   if (singular) return "has the eigenvalue 0";
-  // An even number of equal ones may be a pair of e^(±jπ).
+  // An even number of equal negative eigenvalues may be pairs e^(±jπ).
   std::sort(negative.begin(), negative.end());
   for (std::size_t i = 0; i < negative.size();) {
     std::size_t end = i + 1;

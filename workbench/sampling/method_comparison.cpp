@@ -18,7 +18,7 @@
 namespace quadtune {
 namespace {
 
-/// Outputs that the four set points ask for: px, py, pz, yaw.
+/// Outputs that follow the four set points: px, py, pz, yaw.
 const std::vector<Eigen::Index> kFollowed = {0, 1, 2, 5};
 
 constexpr std::array<DiscretizationMethod, 7> kMethods = {
@@ -30,17 +30,17 @@ constexpr std::array<DiscretizationMethod, 7> kMethods = {
 constexpr std::array<PidMethod, 3> kIntegrators = {PidMethod::forward_euler,
                                                    PidMethod::backward_euler, PidMethod::tustin};
 
-/// A law as designed in continuous time, with the plant it was designed on.
+/// A law as designed in continuous time, with the plant that it was designed for.
 struct Law {
   std::string name;   ///< "lqr", "cascade"
   std::string about;  ///< how it was designed
   ContinuousLti plant;
-  ContinuousLti law;                                      ///< set points and states to the wrench
-  std::function<DiscreteLti(double, PidMethod)> sampled;  ///< the law as it runs
-  std::function<Controller(PidMethod)> on_board;          ///< the same as a flight's controller
+  ContinuousLti law;  ///< from set points and states to the wrench
+  std::function<DiscreteLti(double, PidMethod)> sampled;  ///< the law as implemented
+  std::function<Controller(PidMethod)> on_board;          ///< the same as a controller for flights
   bool integrates = false;
 
-  /// "run", or "run, tustin" where the method of the integrals matters.
+  /// "run", or e.g. "run, tustin" if the integration method matters.
   [[nodiscard]] std::string name_of_run(PidMethod method) const {
     return integrates ? "run, " + to_string(method) : "run";
   }
@@ -103,7 +103,7 @@ DiscreteLti run_every(const Law& law, double dt, PidMethod method) {
   return followed(closed_loop(discretize_zoh(law.plant, dt), law.sampled(dt, method)));
 }
 
-/// A hundred time constants of the slowest pole: nobody samples so rarely.
+/// A hundred time constants of the slowest pole, longer than any reasonable sample period.
 double longest_period(const ContinuousLti& loop) {
   return 100 / -loop.A.eigenvalues().real().maxCoeff();
 }
@@ -164,7 +164,7 @@ ComparedLaw compared(const Vehicle& vehicle, const Law& law, double dt,
   ComparedLaw result{law.name, law.about, followed(closed_loop(law.plant, law.law)),
                      run_every(law, dt, PidMethod::forward_euler), ""};
   if (!(result.loop.A.eigenvalues().real().maxCoeff() < 0)) {
-    result.why = "the continuous loop is not stable: nothing to compare with";
+    result.why = "the continuous loop is unstable, so there is nothing to compare with";
     return result;
   }
   result.methods = all_errors(law, result.loop, periods);
@@ -186,14 +186,14 @@ MethodComparison compare_sampling_methods(const std::string& vehicle_name, doubl
   return comparison;
 }
 
-LeastMargins least_margins(const FlownLoop& loop) {
-  LeastMargins least;
+MinMargins min_margins(const FlownLoop& loop) {
+  MinMargins min;
   for (const LoopMargins& one : loop.margins.loops) {
-    least.phase = std::min(least.phase, one.phase_margin);
-    least.Ms = std::max(least.Ms, one.Ms);
-    least.disk = std::min(least.disk, one.disk.alpha);
+    min.phase = std::min(min.phase, one.phase_margin);
+    min.Ms = std::max(min.Ms, one.Ms);
+    min.disk = std::min(min.disk, one.disk.alpha);
   }
-  return least;
+  return min;
 }
 
 }  // namespace quadtune

@@ -19,9 +19,7 @@ namespace {
 }
 
 void require_delay(double delay) {
-  if (delay < 0)
-    refuse("delay",
-           fmt::format("is {} s, expected 0 or more because the future is not known", delay));
+  if (delay < 0) refuse("delay", fmt::format("is {} s, expected 0 or more", delay));
 }
 
 }  // namespace
@@ -29,23 +27,22 @@ void require_delay(double delay) {
 void require_prewarp(const SamplingOptions& options) {
   if (!options.prewarp) return;
   if (options.method != DiscretizationMethod::tustin)
-    refuse("prewarp", fmt::format("came with --method {}, expected tustin because only it bends "
-                                  "frequencies in a way that this undoes",
-                                  to_string(options.method)));
+    refuse("prewarp",
+           fmt::format("does not apply to --method {}, expected tustin, because only it distorts "
+                       "frequencies in a way that prewarping corrects",
+                       to_string(options.method)));
   const double nyquist = std::numbers::pi / options.dt;
   if (!(*options.prewarp > 0 && *options.prewarp < nyquist))
     refuse("prewarp",
            fmt::format("is {:.6g} rad/s, expected more than 0 and less than {:.6g} rad/s "
-                       "(pi/dt) because samples do not show other frequencies",
+                       "(pi/dt), the Nyquist frequency",
                        *options.prewarp, nyquist));
 }
 
 Eigen::VectorXd channel_delays(const Eigen::VectorXd& delays, const std::string& key,
                                Eigen::Index count, const std::string& channels) {
   for (const double delay : delays)
-    if (delay < 0)
-      refuse(key,
-             fmt::format("has {} s, expected 0 or more because the future is not known", delay));
+    if (delay < 0) refuse(key, fmt::format("has {} s, expected 0 or more", delay));
   if (delays.size() == 1) return Eigen::VectorXd::Constant(count, delays[0]);
   if (delays.size() != 0 && delays.size() != count)
     refuse(key, fmt::format("has {} entries, expected {} or one for all {}", delays.size(), count,

@@ -12,7 +12,7 @@
 namespace quadtune {
 namespace {
 
-/// A step leads to the last value when it misses it by no more than this share of itself.
+/// A step reaches the last value if it misses it by at most this share of the step.
 constexpr double kRounding = 1e-6;
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -35,8 +35,8 @@ double number_of(const std::string& word, const std::string& axis) {
   return value;
 }
 
-/// i steps from the first value, as decimal as it was written: 0.9, 0.95 and not
-/// 0.9500000000000001, and 0 where steps from below meet it.
+/// The value i steps after the first, as the decimal number that was meant: 0.95 and not
+/// 0.9500000000000001, and 0 if steps from below reach it.
 double stepped(double first, double step, Eigen::Index i) {
   const double value = first + static_cast<double>(i) * step;
   if (std::abs(value) < kRounding * step) return 0;
@@ -47,13 +47,13 @@ std::vector<double> range_values(double first, double step, double last, const s
   if (!(step > 0)) refuse(fmt::format("axis {} has step {}, expected more than 0", axis, step));
   if (last < first)
     refuse(
-        fmt::format("axis {} goes from {} to {}, expected a last value that is no less than the "
+        fmt::format("axis {} goes from {} to {}, expected a last value not below the "
                     "first",
                     axis, first, last));
   const double steps = (last - first) / step;
-  if (!(steps < static_cast<double>(kMostSchedulePoints)))
-    refuse(fmt::format("axis {} has {:.3g} steps, expected no more than {} points", axis, steps,
-                       kMostSchedulePoints));
+  if (!(steps < static_cast<double>(kMaxSchedulePoints)))
+    refuse(fmt::format("axis {} has {:.3g} steps, expected at most {} points", axis, steps,
+                       kMaxSchedulePoints));
   const auto count = static_cast<Eigen::Index>(std::llround(steps));
   if (std::abs(steps - static_cast<double>(count)) > kRounding)
     refuse(
@@ -81,10 +81,10 @@ std::vector<std::string> split(const std::string& text, char at) {
 ScheduleAxis axis_of(const std::string& text, const std::string& where) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos)
-    refuse(
-        fmt::format("'{}' came, expected axes such as speed=0:0.5:10 or mass=1, separated by "
-                    "commas",
-                    internal::printable(text)));
+    refuse(fmt::format(
+        "'{}' is malformed; expected axes such as speed=0:0.5:10 or mass=1, separated by "
+        "commas",
+        internal::printable(text)));
   const std::string name = without_blanks_around(text.substr(0, equals));
   ScheduleAxis axis;
   axis.quantity = schedule_quantity(internal::printable(name), where);

@@ -12,7 +12,7 @@
 namespace quadtune {
 namespace {
 
-/// "150 of 945 points have no gain, e.g. no trim at …"; empty when all have one.
+/// For example "150 of 945 points have no gain, e.g. no trim at …"; empty if all points have one.
 std::string infeasible_words(const GainSchedule& schedule) {
   std::string words;
   for (const PointStatus status : {PointStatus::no_trim, PointStatus::no_gain}) {
@@ -29,7 +29,7 @@ SchedulePoint point_of(const Vehicle& vehicle, const GainSchedule& schedule, Eig
   return schedule_point(vehicle, schedule.axes, grid_point(schedule.axes, point), schedule.yaw);
 }
 
-/// The point whose model tells a reader most: the last that turns, or else the last.
+/// The point with the most informative model: the last one that turns, or else the last.
 Eigen::Index telling_point(const Vehicle& vehicle, const GainSchedule& schedule) {
   Eigen::Index last = 0;
   for (Eigen::Index i = 0; i < schedule.size(); ++i)
@@ -41,7 +41,7 @@ Eigen::Index telling_point(const Vehicle& vehicle, const GainSchedule& schedule)
   return last;
 }
 
-/// What a reader must know of the models, told of one.
+/// Notes about the models, for one representative point.
 std::vector<std::string> notes_of_model(const Vehicle& vehicle, const GainSchedule& schedule,
                                         const LqrDesign& design) {
   const Eigen::Index index = telling_point(vehicle, schedule);

@@ -78,8 +78,8 @@ void validate(const MeasuredVehicle& m) {
                     "which carries {:.4g} kg",
                     *m.max_thrust, m.rotors, m.mass * kGravity / m.rotors, m.mass));
   if (m.motor_lag)
-    require(*m.motor_lag <= kLongestLag, "lag",
-            fmt::format("lag is {:.4g} s, expected at most {} s", *m.motor_lag, kLongestLag));
+    require(*m.motor_lag <= kMaxLag, "lag",
+            fmt::format("lag is {:.4g} s, expected at most {} s", *m.motor_lag, kMaxLag));
   if (m.inertia) require_inertia(m.inertia->asDiagonal(), "inertia");
 }
 
@@ -151,7 +151,7 @@ RotorNumbers rotor_numbers(const MeasuredVehicle& m) {
   rotor.inertia = 6.2e-5 * std::pow(D / 0.2388, 4) * m.blades / 2.0;
   const double usual = m.brushed ? 0.06 : std::max(0.02, 0.004 * D / kInch);
   rotor.lag_up = m.motor_lag.value_or(usual);
-  rotor.lag_down = std::min(1.3 * rotor.lag_up, kLongestLag);
+  rotor.lag_down = std::min(1.3 * rotor.lag_up, kMaxLag);
   add_airflow(m, rotor);
   return rotor;
 }

@@ -29,7 +29,7 @@ VehicleCheck check_vehicle(const std::string& name) {
   VehicleCheck check;
   check.vehicle = load_vehicle(name);
   check.hover = trim(check.vehicle, FlightCondition{});
-  check.warnings = implausible(check.vehicle);
+  check.warnings = find_implausible_values(check.vehicle);
   if (!check.hover.solved())
     throw NoSolution(
         fmt::format("{}: cannot hover: {}{}", name, check.hover.culprit,

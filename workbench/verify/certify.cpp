@@ -31,23 +31,23 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
   u.mass = options.mass.value_or(ratios(spread.mass, 0.1));
   u.inertia = options.inertia.value_or(ratios(spread.inertia, 0.2));
   u.thrust = options.thrust.value_or(ratios(spread.thrust, 0.1));
-  const double late = vehicle.motor.delay;  // then up to the jitter and one period of computing
+  const double late = vehicle.motor.delay;  // plus up to the jitter and one period for computation
   u.delay = options.delay.value_or(UncertainRange{late, late + vehicle.motor.delay_jitter + dt});
-  // Beyond that the states of the delay outgrow the proof.
-  if (u.delay.high > kMostDelayPeriods * dt)
+  // Beyond this, the states of the delay make the proof too expensive.
+  if (u.delay.high > kMaxDelayPeriods * dt)
     throw OptionError("delay", fmt::format("delay is up to {:.6g} s, expected at most {} periods "
                                            "of {:.6g} s",
-                                           u.delay.high, kMostDelayPeriods, dt));
+                                           u.delay.high, kMaxDelayPeriods, dt));
   const double own = slower_lag(vehicle.rotors.front());
   u.lag = options.lag.value_or(UncertainRange{own * (1 - spread.motor_lag),
-                                              std::min(own * (1 + spread.motor_lag), kLongestLag)});
+                                              std::min(own * (1 + spread.motor_lag), kMaxLag)});
   if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
                                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
-                       "the rotors have different lags, expected --lag LOW:HIGH for all");
-  if (u.lag.high > kLongestLag)
+                       "the rotors have different lags; expected --lag LOW:HIGH for all of them");
+  if (u.lag.high > kMaxLag)
     throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
-                                         u.lag.high, kLongestLag));
+                                         u.lag.high, kMaxLag));
   return u;
 }
 
@@ -56,16 +56,16 @@ Vehicle vehicle_of(const CertifyOptions& options, const Manifest& manifest) {
   try {
     return load_vehicle(manifest.vehicle);
   } catch (const std::exception&) {
-    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in, "
+    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in; "
                                               "expected its file by --vehicle FILE",
                                               manifest.vehicle));
   }
 }
 
-/// A law of the export that is asked for, not yet looked at, and how it flies.
+/// A requested law of the export before its analysis, and its hover.
 struct AskedLaw {
   CertifiedLaw law;
-  std::function<PlannedFlight()> hover;  ///< none if the gains are of another flight
+  std::function<PlannedFlight()> hover;  ///< empty if the gains are for another trim
 };
 
 AskedLaw asked_feedback(const Gains& gains, const StoredLaws& stored, const CertifyOptions& options,
@@ -99,8 +99,9 @@ AskedLaw asked_cascade(CascadeDesign cascade, const StoredLaws& stored,
 std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions& options,
                               const std::string& controller, const Vehicle& vehicle) {
   if (holds_schedule(directory))
-    throw InvalidInput(directory, "the export holds a gain schedule; certify covers one law about "
-                                  "one hover, so export and certify the gains of a grid point");
+    throw InvalidInput(directory,
+                       "the export holds a gain schedule; certify covers one law about "
+                       "one hover, so export and certify the gains of a grid point");
   const StoredLaws stored = read_laws(directory);
   const auto asked_for = [&](const char* kind) { return controller.empty() || controller == kind; };
   std::vector<AskedLaw> laws;
@@ -109,13 +110,12 @@ std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions
   if (stored.cascade && asked_for(kCascadedPid))
     laws.push_back(asked_cascade(*stored.cascade, stored, options, vehicle));
   if (laws.empty())
-    throw InvalidInput(directory,
-                       fmt::format("the export has no {}, expected a law whose loop can be closed",
-                                   controller.empty() ? "gains" : controller));
+    throw InvalidInput(
+        directory, fmt::format("the export has no {}", controller.empty() ? "gains" : controller));
   return laws;
 }
 
-/// The flown loops of the box, where the gains are for a hover.
+/// The flown loops of the box if the gains are for a hover.
 FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
   FlownBox none;
   if (!asked.hover) {
@@ -139,22 +139,22 @@ FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
 bool CertifiedLaw::proved() const { return reason().empty(); }
 
 std::string CertifiedLaw::reason() const {
-  if (family.greatest_scale < 1)
+  if (family.max_scale < 1)
     return fmt::format("the vehicle cannot hover everywhere in the box: {}",
-                       family.greatest_scale_reason);
+                       family.max_scale_reason);
   if (robustness.worst.unstable())
     return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
-                       in_words(family, robustness.worst.parameters));
+                       describe(family, robustness.worst.parameters));
   if (flown_unstable())
     return fmt::format(
         "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
-        flown->worst->estimator, in_words(*flown->worst), in_words(family, flown->parameters));
+        flown->worst->estimator, describe(*flown->worst), describe(family, flown->parameters));
   if (robustness.proof.proved()) return "";
   return fmt::format(
       "{} is not proved, nor was an unstable loop found: {}; the worst found has "
       "|z| {:.6f}, at {}",
       name, robustness.proof.culprit, robustness.worst.radius,
-      in_words(family, robustness.worst.parameters));
+      describe(family, robustness.worst.parameters));
 }
 
 bool CertifyReport::proved() const {
@@ -175,7 +175,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   CertifyReport report{directory, ""};
   const VerifyReport verified = verify_directory(directory, options.vehicle);
   for (const VerifyCheck& check : verified.checks)
-    // A proof is of the laws as they are, whatever they were forced to be written for.
+    // The proof applies to the laws as they are, even if --force was needed to write them.
     if (!check.ok && check.name != kForcedCheck) {
       report.failed = check;
       return report;
@@ -184,7 +184,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   report.vehicle = vehicle.name;
   RobustnessOptions robustness;
   robustness.seed = options.seed;
-  robustness.proof.most_boxes = options.most_boxes;
+  robustness.proof.max_boxes = options.max_boxes;
   robustness.proof.threads = options.threads;
   robustness.proof.interrupted = options.stop;
   for (AskedLaw& asked : laws_of(directory, options, controller, vehicle)) {
@@ -196,7 +196,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   return report;
 }
 
-std::string in_words(const LoopFamily& family, const Eigen::VectorXd& values) {
+std::string describe(const LoopFamily& family, const Eigen::VectorXd& values) {
   std::string text;
   for (std::size_t i = 0; i < family.parameters.size(); ++i) {
     const UncertainParameter& p = family.parameters[i];

@@ -27,10 +27,11 @@ namespace fs = std::filesystem;
 
 constexpr char kName[] = "files are what the design gives";
 constexpr std::size_t kFileLimit = std::size_t{16} << 20;
-/// Two machines solve one problem to about 1e-12; a search, as for a cascade, ends within 1e-8.
+/// Solutions of one problem agree between machines to about 1e-12, and results of searches, as for
+/// a cascade, to 1e-8.
 constexpr double kDesignRounding = 1e-7;
 
-/// With the options of the export, which its files tell.
+/// The content with the options of the export, which are read from its files.
 ExportContent content_of(const fs::path& directory, const Manifest& manifest,
                          const DesignOutcome& outcome) {
   ExportContent content = export_content(outcome);
@@ -50,9 +51,9 @@ ExportContent content_of(const fs::path& directory, const Manifest& manifest,
   return content;
 }
 
-/// A manifest without what differs from one writing to the next: times, versions, hashes, which
-/// follow from the files, and what other checks judge better: estimates of rounding errors, and
-/// poles, which another machine may put in another order.
+/// The text of a manifest without data that differ between runs (times, versions, hashes, which
+/// follow from the files) and without data that other checks compare better: estimates of rounding
+/// errors, and poles, whose order may differ between machines.
 std::string comparable(Manifest manifest) {
   manifest.made_at.clear();
   manifest.versions.clear();
@@ -67,7 +68,7 @@ std::string comparable(Manifest manifest) {
 }
 
 struct Comparison {
-  std::string difference;  ///< a sentence; empty: nothing differs but by rounding
+  std::string difference;  ///< a sentence; empty: equal up to rounding
   double rounding = 0;     ///< the largest difference of two numbers
 
   /// @param place  of the difference, e.g. "gains.json, line 7"
@@ -98,8 +99,8 @@ void compare_manifests(const std::string& found, const std::string& expected,
                      internal::json_text(a[key]), "");
 }
 
-/// What is made from numbers that differ by rounding may differ by more, and is compared with them
-/// by other checks: flight code with a recorded flight, and binary files.
+/// Files derived from numbers that differ by rounding may differ by more. Other checks compare
+/// them: flight code by a recorded flight, and binary files.
 bool follows_from_gains(const FileContent& file, const std::string& kind) {
   if (kind == "c") return file.name != kGainsJsonName && file.name != kFlightCodeName;
   return file.bytes.find('\0') != std::string::npos;
@@ -135,12 +136,11 @@ Comparison compare(const fs::path& directory, const Manifest& manifest,
   return result;
 }
 
-/// Reasons against the export that the manifest should have.
+/// A reason against the export that the manifest lacks.
 std::string missing_reason(const Manifest& manifest, const DesignOutcome& outcome) {
   for (const std::string& reason : reasons_against_export(outcome))
     if (std::find(manifest.forced.begin(), manifest.forced.end(), reason) == manifest.forced.end())
-      return fmt::format("the manifest does not say that it was written by --force although {}",
-                         reason);
+      return fmt::format("the manifest does not state that --force was used, although {}", reason);
   return "";
 }
 
@@ -152,8 +152,8 @@ VerifyCheck check_design(const fs::path& directory, const Manifest& manifest,
     ExportContent content = content_of(directory, manifest, outcome);
     Comparison found = compare(directory, manifest, export_files(manifest.kind, content));
     if (!found.difference.empty()) {
-      // `quadtune export` turns gains into the convention of the program that they are for, which
-      // `quadtune design` asks of the design.
+      // `quadtune export` converts gains to the convention of the target program, whereas `quadtune
+      // design` requires it in the design.
       (void)adapt_to_program(content, manifest.kind);
       const Comparison adapted = compare(directory, manifest, export_files(manifest.kind, content));
       if (adapted.difference.empty()) found = adapted;
@@ -162,7 +162,7 @@ VerifyCheck check_design(const fs::path& directory, const Manifest& manifest,
     if (!found.difference.empty()) return {kName, false, found.difference};
     return {kName, true,
             found.rounding > 0
-                ? fmt::format("designed again; numbers apart by rounding, {:.2g}", found.rounding)
+                ? fmt::format("designed again; numbers differ by rounding, {:.2g}", found.rounding)
                 : "designed again, byte by byte"};
   } catch (const InvalidInput& error) {
     return {kName, false, error.what()};

@@ -29,21 +29,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// @param name  of --vehicle; empty: that of the manifest
+/// @param name  value of --vehicle; empty: that of the manifest
 Vehicle believed_vehicle(const Manifest& manifest, const std::string& name) {
   try {
     return load_vehicle(name.empty() ? manifest.vehicle : name);
   } catch (const std::exception& error) {
     if (!name.empty()) throw;
     throw InvalidInput("verify",
-                       fmt::format("the manifest's vehicle '{}' is not built in, expected "
+                       fmt::format("the manifest's vehicle '{}' is not built in; expected "
                                    "its file by --vehicle FILE",
                                    internal::printable(manifest.vehicle)));
   }
 }
 
-/// A vehicle's file as it is now. That of a built-in one is the program's: another version of the
-/// program may have another, and says so in the manifest.
+/// The current file of the vehicle. The file of a built-in vehicle belongs to the program: another
+/// version may have another file; the manifest then has another version.
 void add_vehicle(const Manifest& manifest, const Vehicle& vehicle,
                  std::vector<InputAtHand>& inputs) {
   const auto same = [](const std::pair<std::string, std::string>& version) {
@@ -54,7 +54,7 @@ void add_vehicle(const Manifest& manifest, const Vehicle& vehicle,
     inputs.push_back({vehicle_file_name(vehicle), vehicle.file.string(), vehicle.text});
 }
 
-/// Inputs of the manifest, which has their names alone, as they lie in a folder.
+/// Adds the inputs of the manifest, which are stored by name only, from a folder.
 void add_from(const fs::path& folder, const Manifest& manifest, std::vector<InputAtHand>& inputs) {
   for (const ManifestFile& input : manifest.inputs) {
     std::error_code ignored;
@@ -65,12 +65,12 @@ void add_from(const fs::path& folder, const Manifest& manifest, std::vector<Inpu
       inputs.push_back(
           {input.path, path.string(), internal::read_file(path.string(), internal::kTomlLimit)});
     } catch (const FileError&) {
-      // It cannot be read, so it is not at hand.
+      // An unreadable file counts as not available.
     }
   }
 }
 
-/// A file of another name would be compared with nothing.
+/// Rejects a file with another name, which would be compared with nothing.
 void require_input(const std::string& name, const Manifest& manifest) {
   std::vector<std::string> names;
   for (const ManifestFile& input : manifest.inputs) names.push_back(input.path);
@@ -100,7 +100,7 @@ std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Mani
   return inputs;
 }
 
-/// Names of the folders in a directory that are exports, such as those of a design with several.
+/// Names of subfolders that are exports, such as those of a design with several exports.
 std::vector<std::string> exports_below(const fs::path& directory) {
   std::vector<std::string> found;
   std::error_code error;
@@ -110,7 +110,7 @@ std::vector<std::string> exports_below(const fs::path& directory) {
   return found;
 }
 
-/// The cascade that an export's files hold; what is wrong in them is the report's to say.
+/// The cascade in an export's files; errors in them are left to the report.
 std::optional<CascadeDesign> cascade_of(const std::string& directory) {
   try {
     return read_laws(directory).cascade;
@@ -121,12 +121,12 @@ std::optional<CascadeDesign> cascade_of(const std::string& directory) {
   }
 }
 
-/// The schedule of an export against the table that it was made of.
+/// Compares the schedule of an export with the table from which it was made.
 VerifyCheck schedule_again(const std::string& directory, const std::string& table) {
   constexpr char kSameSchedule[] = "schedule is that of the table";
   if (!is_schedule(table))
     return {kSameSchedule, false,
-            table + ": is no gain schedule, expected the table of the export"};
+            table + ": is not a gain schedule; expected the table of the export"};
   const std::string expected = schedule_text(read_schedule(table), TableFormat::json);
   const std::string found = internal::read_text_file(
       (fs::path(directory) / kScheduleJsonName).string(), internal::kTomlLimit);
@@ -136,7 +136,7 @@ VerifyCheck schedule_again(const std::string& directory, const std::string& tabl
                       first_other_line(found, expected), table)};
 }
 
-/// A design that was changed after the export fails here as well.
+/// Compares the export with its design; fails also if the design was changed after the export.
 VerifyCheck designed_again(const std::string& directory, const Manifest& manifest,
                            const std::string& design) {
   try {
@@ -151,21 +151,22 @@ VerifyCheck designed_again(const std::string& directory, const Manifest& manifes
   }
 }
 
-/// A directory of exports is none itself: the message names those that are.
+/// Rejects a directory that only contains exports; the message names them.
 void require_export(const std::string& directory) {
   std::error_code error;
   if (fs::exists(fs::path(directory) / kManifestName, error)) return;
   if (fs::exists(directory, error) && !fs::is_directory(directory, error))
-    throw FileError(directory,
-                    "is no directory, expected that of an export, as `quadtune export FILE --to "
-                    "json -o DIR` writes it");
+    throw FileError(
+        directory,
+        "is not a directory; expected that of an export, as written by `quadtune export FILE --to "
+        "json -o DIR`");
   const std::vector<std::string> below = exports_below(directory);
   if (!below.empty())
-    throw FileError(directory, fmt::format("has no {}, expected one export of those in it: {}",
+    throw FileError(directory, fmt::format("has no {}; expected one of the exports in it: {}",
                                            kManifestName, internal::joined(below, ", ")));
 }
 
-/// The estimator that an export names. A file that cannot be read is reported by verify_export().
+/// The estimator of an export. verify_export() reports a file that cannot be read.
 std::optional<StoredEstimator> estimator_of(const std::string& directory) {
   try {
     return read_laws(directory).estimator;
@@ -201,7 +202,7 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
       add(firmware_checks(directory, vehicle));
     return report;
   } catch (const NoSolution& error) {
-    // A trim that the vehicle cannot fly is an answer too.
+    // A trim that the vehicle cannot fly is a failed check.
     VerifyReport report = verify_export(directory, model, facts);
     report.checks.push_back({"the vehicle can fly the trim", false, error.what()});
     return report;
@@ -213,9 +214,10 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
   require_export(directory);
   const Manifest manifest = read_manifest(directory);
   if (arm && manifest.kind.name() != "c")
-    throw OptionError("arm", fmt::format("arm is for flight code, expected an export to 'c', this "
-                                         "is one to '{}'",
-                                         to_string(manifest.kind)));
+    throw OptionError("arm",
+                      fmt::format("arm is only for flight code, expected an export to 'c'; this "
+                                  "is one to '{}'",
+                                  to_string(manifest.kind)));
   std::vector<FlightCodeTarget> targets = {FlightCodeTarget::host};
   if (arm) targets.push_back(FlightCodeTarget::arm);
   const Vehicle vehicle = believed_vehicle(manifest, vehicle_name);
@@ -223,9 +225,9 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
       directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design), nullptr, targets);
   if (!manifest.forced.empty())
     report.checks.push_back({kForcedCheck, false,
-                             "written by --force although " +
+                             "written with --force although " +
                                  internal::printable(internal::joined(manifest.forced, "; "))});
-  // The vehicle, or covariances, can be named as well, to compare their hashes.
+  // The vehicle, or covariances, can be given as well, to compare their hashes.
   const fs::path named = fs::path(design).filename();
   const bool is_design = !manifest.inputs.empty() && !design.empty() &&
                          (holds_schedule(directory) || named == manifest.inputs.front().path) &&

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Q of the states and of the integrals, in blocks.
+/// Checks that Q has separate blocks for the states and the integrals.
 void require_weights(const Manifest& manifest) {
   const Gains& gains = *manifest.gains;
   const Index nx = std::ssize(gains.states), ni = std::ssize(gains.integrals);
@@ -30,10 +30,10 @@ void require_weights(const Manifest& manifest) {
   require_shape(manifest.R, nu, nu, where, "weights.R", "inputs");
   if (!manifest.Q.topRightCorner(nx, ni).isZero(0) ||
       !manifest.Q.bottomLeftCorner(ni, nx).isZero(0))
-    throw InvalidInput(where, "weights.Q weighs states with integrals, expected blocks of each");
+    throw InvalidInput(where, "weights.Q couples states and integrals; expected separate blocks");
 }
 
-/// The problem that a manifest's weights stand for, in the order of the plant's states.
+/// The LQR problem with a manifest's weights, in the order of the plant's states.
 LqrDesign problem_of(const Manifest& manifest, const ContinuousLti& plant) {
   const Gains& gains = *manifest.gains;
   const Index nx = std::ssize(gains.states);
@@ -60,7 +60,7 @@ LqrDesign problem_of(const Manifest& manifest, const ContinuousLti& plant) {
   return design;
 }
 
-/// Largest difference over its row's largest entry, as each row has a unit of its own.
+/// Largest difference relative to the largest entry of its row, because each row has its own unit.
 double difference(const Gains& gains, const std::vector<Signal>& states,
                   const StateFeedback& found) {
   const double law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
@@ -77,8 +77,8 @@ double difference(const Gains& gains, const std::vector<Signal>& states,
   double worst = 0;
   for (Index i = 0; i < given.rows(); ++i) {
     const double scale = given.row(i).cwiseAbs().maxCoeff();
-    const double most = (given.row(i) - solved.row(i)).cwiseAbs().maxCoeff();
-    worst = std::max(worst, scale > 0 ? most / scale : most);
+    const double max = (given.row(i) - solved.row(i)).cwiseAbs().maxCoeff();
+    worst = std::max(worst, scale > 0 ? max / scale : max);
   }
   return worst;
 }
@@ -88,7 +88,7 @@ constexpr char kOfWeights[] = "the recorded evidence agrees with the weights";
 VerifyCheck check_told(const ExportEvidence& told, const RiccatiResult& solved) {
   VerifyCheck check{kOfWeights, false, ""};
   const double poles = pole_distance(told.poles, solved.poles);
-  // Both are estimates of rounding errors, which differ between machines, but not by much.
+  // Both are estimates of rounding errors, which differ slightly between machines.
   constexpr double kSmallResidual = 1e-9;
   const bool residual = told.residual <= kSmallResidual && solved.residual <= kSmallResidual;
   const bool rcond = std::abs(std::log10(told.rcond / solved.rcond)) <= 1;
@@ -104,13 +104,13 @@ VerifyCheck check_told(const ExportEvidence& told, const RiccatiResult& solved) 
   return check;
 }
 
-/// The same for gains of flown_lqi(), which are in the 12 states of ned and the wrench.
+/// The same for gains of flown_lqi(), from the 12 states of ned to the wrench.
 std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manifest,
                                    VerifyCheck check) {
   const Gains& gains = *manifest.gains;
   if (gains.states != ned_convention().states || gains.inputs != ned_convention().wrench)
     throw InvalidInput(kManifestName,
-                       "the gains of an LQI have other states or inputs, expected "
+                       "the gains of an LQI have unexpected states or inputs; expected "
                        "the 12 states of ned and the wrench");
   require_weights(manifest);
   const Index ni = std::ssize(gains.integrals);
@@ -142,7 +142,7 @@ std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manif
                                given.cols(), solved.cols());
     return {check};
   }
-  // Couplings of rounding size between axes are left out of the law.
+  // The law omits couplings between axes of the size of rounding.
   constexpr double kRounding = 1e-7;
   double worst = 0;
   for (Index i = 0; i < given.rows(); ++i)
@@ -163,7 +163,7 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
     if (told.method.empty() && told.status.empty() && std::isnan(told.residual) &&
         std::isnan(told.rcond) && told.iterations == 0 && told.poles.size() == 0)
       return {};
-    return {{kOfWeights, false, "the manifest has an evidence without the weights that it is of"}};
+    return {{kOfWeights, false, "the manifest has evidence, but not the weights it belongs to"}};
   }
   VerifyCheck check{"weights give the gains", false, ""};
   try {
@@ -175,7 +175,7 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
       return {check};
     }
     const double worst = difference(*manifest.gains, model.plant.states, found);
-    // What rounding does to a problem of this condition.
+    // Effect of rounding on a problem with this condition number.
     const double tolerance =
         std::max(1e-9, 100 * std::numeric_limits<double>::epsilon() / found.riccati.rcond);
     check.ok = worst <= tolerance;

@@ -13,15 +13,15 @@
 namespace quadtune {
 namespace {
 
-/// Largest difference of two matrices over the largest entry of the second; infinite for other
-/// shapes.
+/// Largest difference of two matrices relative to the largest entry of the second; infinite if
+/// shapes differ.
 double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
   if (given.rows() != solved.rows() || given.cols() != solved.cols())
     return std::numeric_limits<double>::infinity();
   if (solved.size() == 0) return 0;
   const double largest = solved.cwiseAbs().maxCoeff();
-  const double most = (given - solved).cwiseAbs().maxCoeff();
-  return most == 0 ? 0 : most / largest;
+  const double max = (given - solved).cwiseAbs().maxCoeff();
+  return max == 0 ? 0 : max / largest;
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
 std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
                                        const Manifest& manifest) {
   VerifyCheck check{"gains and covariances of the filters are those of their noise", true, ""};
-  // What rounding does to a filter of some states.
+  // Effect of rounding on a filter with a few states.
   constexpr double kFilterRounding = 1e-8;
   try {
     const Exporter& exporter = exporter_of(manifest.kind, kManifestName);

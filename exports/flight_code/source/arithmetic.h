@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Numbers within limits, and what a compiler must not do with sums and products. */
+/* Clamping, and requirements on how the compiler evaluates sums and products. */
 #ifndef QT_ARITHMETIC_H
 #define QT_ARITHMETIC_H
 
@@ -7,7 +7,7 @@
 
 #include "program.h"
 
-/* They must be computed as they stand, and in no wider type. */
+/* Expressions must be evaluated as written, and in no wider type. */
 #if defined(__FAST_MATH__)
 #error "expected a compiler without -ffast-math"
 #endif
@@ -25,7 +25,7 @@
 
 static inline qt_real qt_min(qt_real a, qt_real b) { return (a < b) ? a : b; }
 static inline qt_real qt_max(qt_real a, qt_real b) { return (a > b) ? a : b; }
-/* x within low <= high; low where x is NaN. */
+/* x within low <= high; low if x is NaN. */
 static inline qt_real qt_clamp(qt_real x, qt_real low, qt_real high) {
   return qt_min(qt_max(x, low), high);
 }

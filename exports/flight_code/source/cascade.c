@@ -8,7 +8,7 @@
  *   PID       = Kp e + I - Kd rate,                 I[k] = I[k-1] + Ki dt (a e[k] + b e[k-1])
  *
  * with (a, b) = (0, 1) forward Euler, (1, 0) backward Euler, (1/2, 1/2) Tustin. An integral does
- * not grow in a direction in which the motors produced less than was asked for.
+ * not grow in a direction in which the motors produced less than requested.
  */
 #include "internal.h"
 
@@ -30,7 +30,7 @@ static loop_output_t step_loop(const qt_loop_t *p, qt_loop_state_t *s, qt_real s
   integral = qt_clamp(integral, p->integral_min, p->integral_max);
   result.unlimited = proportional + integral + derivative;
   output = qt_clamp(result.unlimited, p->output_min, p->output_max);
-  /* A NaN that once entered the state would never leave it. */
+  /* A NaN in the state would persist. */
   result.finite = qt_is_finite((result.unlimited + error) - measurement);
   if (result.finite) {
     s->integral = integral + (p->dt * p->back_calculation * (output - result.unlimited));
@@ -85,7 +85,7 @@ void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estim
   if (takes_off) {
     wrench[0] = p->take_off_thrust;
   } else {
-    /* The loop commands a force down, beside the weight. */
+    /* The loop commands a downward force, in addition to the weight. */
     const qt_real down = step_loop(&p->altitude, &s->altitude, reference->position[2],
                                    x->position[2], velocity[2], -s->wrench_excess[0])
                              .value;

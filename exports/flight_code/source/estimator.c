@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The general filter: an error-state extended Kalman filter for every suite of sensors. The
+ * The general filter: an error-state extended Kalman filter for any combination of sensors. The
  * gyroscope and the accelerometer drive the motion; flow, range, pressure, heading, GPS and vision
  * correct it, each at the time at which it was measured.
  *
@@ -8,13 +8,13 @@
  * world axes, biases of gyroscope and accelerometer, offset of the barometer's height.
  * Errors (16): dp, dv, dtheta (a small turn about the world's axes), b_gyro, b_force, h_pressure.
  *
- * The motion and its covariance are those of the horizon, which lies `horizon` control periods
- * before the newest period, where the late inertial readings are complete. From there the stored
- * readings carry the motion to the present.
+ * The stored motion and its covariance are those of the horizon, which is `horizon` control periods
+ * before the newest period; there the delayed inertial samples are complete. From the horizon, the
+ * stored samples propagate the motion to the present.
  */
 #include "internal.h"
 
-/* Where the errors stand. */
+/* Indices of the errors. */
 #define AT_POSITION 0
 #define AT_DOWN 2 /* of the position */
 #define AT_VELOCITY 3
@@ -32,7 +32,7 @@
 #define BY_PRESSURE 32u
 #define BY_ALL 63u
 
-/* Where the rejections of a sensor's first scalar are counted. */
+/* Indices of the rejection counters by a sensor's first scalar. */
 #define SCALAR_RANGE 0
 #define SCALAR_FLOW 1
 #define SCALAR_PRESSURE 3
@@ -51,7 +51,7 @@ typedef struct {
   qt_real row[3][QT_ERRORS];
 } rows_t;
 
-/* The place before place i of a ring of `count` places. */
+/* The index before index i in a ring of `count` entries. */
 static int place_before(int i, int count) { return ((i == 0) ? count : i) - 1; }
 
 /* ---- covariance: the lower triangle of a symmetric matrix, row by row ---- */
@@ -60,7 +60,7 @@ static int place(int i, int j) {
   return (i >= j) ? (((i * (i + 1)) / 2) + j) : (((j * (j + 1)) / 2) + i);
 }
 
-/* The rows `first` to `first + 2` of the whole matrix, from its lower triangle and back. */
+/* Copies the rows `first` to `first + 2` of the full matrix from its lower triangle, or back. */
 static void get_rows(const qt_real *P, int first, rows_t *to) {
   for (int r = 0; r < 3; ++r) {
     const int i = first + r;
@@ -214,8 +214,8 @@ static void small_rotation(const qt_real turn[3], qt_real q[4]) {
   q[3] = s * turn[2];
 }
 
-/* The motion over a time h under constant inputs. Gravity and force act half way through the
- * turn. */
+/* Propagates the motion over a time h with constant inputs. Gravity and force act half way through
+ * the rotation. */
 static void move(qt_motion_t *motion, const qt_real turn[3], const qt_real force[3],
                  qt_real gravity, qt_real h) {
   qt_real half_turn[3];
@@ -241,14 +241,14 @@ static void move(qt_motion_t *motion, const qt_real turn[3], const qt_real force
   qt_quaternion_product(middle, half, motion->attitude);
 }
 
-/* The readings `age` control periods before the newest. */
+/* The samples `age` control periods before the newest ones. */
 static const qt_reading_t *reading(const qt_estimator_state_t *s, int age) {
   const int i = s->newest_reading + age;
   return &s->readings[(i < QT_READINGS) ? i : (i - QT_READINGS)];
 }
 
-/* What drives the motion over the period that ended `age` periods before the horizon: the trapezoid
- * of linearly interpolated readings, biases subtracted. */
+/* The inputs over the period that ended `age` periods before the horizon: the trapezoid of linearly
+ * interpolated samples, with biases subtracted. */
 static void drive_at(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s, int age,
                      drive_t *drive) {
   const qt_reading_t *g0 = reading(s, p->gyro_whole + age);
@@ -277,7 +277,7 @@ static void drive_at(const qt_estimator_parameters_t *p, const qt_estimator_stat
   }
 }
 
-/* The gyroscope `age` periods before the horizon, interpolated, its bias subtracted. */
+/* The gyroscope `age` periods before the horizon, interpolated, with its bias subtracted. */
 static void rates_at(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s, int age,
                      qt_real rates[3]) {
   const qt_reading_t *g0 = reading(s, p->gyro_whole + age);
@@ -292,8 +292,8 @@ static void rates_at(const qt_estimator_parameters_t *p, const qt_estimator_stat
   }
 }
 
-/* The motion now: from the horizon through the readings that came since, the last part with the
- * newest readings held. */
+/* The present motion: propagated from the horizon with the samples since then, the last part with
+ * the newest samples held. */
 static void motion_now(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
                        qt_motion_t *now) {
   *now = s->motion;
@@ -360,7 +360,7 @@ static void step_back(const qt_estimator_parameters_t *p, const qt_estimator_sta
   qt_real end[3];
   const qt_real share = qt_min(h / p->dt, 1.0f);
   drive_at(p, s, age, &drive);
-  /* The inverse of move(): back by half the turn, by what it gained, by the other half. */
+  /* The inverse of move(): half the rotation back, then the velocity, then the other half. */
   for (int i = 0; i < 3; ++i) {
     turn[i] = drive.rates[i] * (-0.5f * h);
   }
@@ -404,8 +404,8 @@ static void step_back(const qt_estimator_parameters_t *p, const qt_estimator_sta
   }
 }
 
-/* The motion `ago` seconds before the horizon, through the stored readings, with the biases of
- * now. A measurement older than the readings is carried on with the oldest. */
+/* The motion `ago` seconds before the horizon, from the stored samples, with the current biases. A
+ * measurement older than the stored samples is propagated with the oldest one. */
 static void past_motion(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
                         qt_real ago, past_t *past) {
   qt_real left = (ago > QT_INSTANT) ? ago : 0.0f; /* rounding of sample times is not the past */
@@ -424,19 +424,19 @@ static void past_motion(const qt_estimator_parameters_t *p, const qt_estimator_s
 
 /* ---- correction by one scalar ---- */
 
-/* The derivative of a scalar measurement by the errors; entries of groups not used are 0. */
+/* The derivative of a scalar measurement by the errors; entries of unused groups are 0. */
 typedef struct {
   qt_real by[QT_ERRORS];
   unsigned groups;
 } row_t;
 
-/* What the scalars of one sensor correct, added up before it is applied. */
+/* The corrections by the scalars of one sensor, accumulated before they are applied. */
 typedef struct {
   qt_real errors[QT_ERRORS];
   bool used;
 } correction_t;
 
-/* The row of a measurement at an earlier time becomes a row of the horizon's errors. */
+/* Converts the row of a measurement at an earlier time to the errors of the horizon. */
 static void carry(const past_t *past, row_t *row) {
   qt_real p[3];
   qt_real v[3];
@@ -504,8 +504,8 @@ static void joseph(qt_real *P, const qt_real K[QT_ERRORS], const qt_real w[QT_ER
   }
 }
 
-/* Raises the variances of the three errors from `first` on until the row's variance has grown by
- * `lacking`. */
+/* Increases the variances of the three errors from `first` on until the variance of the row has
+ * grown by `lacking`. */
 static void doubt(qt_estimator_state_t *s, const row_t *row, int first, qt_real lacking) {
   const qt_real size = qt_square3(&row->by[first]);
   qt_real added = 0.0f;
@@ -518,10 +518,10 @@ static void doubt(qt_estimator_state_t *s, const row_t *row, int first, qt_real 
 }
 
 /* One scalar measurement. It is rejected if e^2/S exceeds the gate. After recovery_time of
- * rejections, and three of them, the variances of the group `doubted` are raised until e^2/S = 1:
- * the state was wrong by more than P says.
- * innovation: measurement less prediction, both before any of the sensor's corrections
- * returns: whether the measurement was believed */
+ * rejections, and at least three of them, the variances of the group `doubted` are increased until
+ * e^2/S = 1, because the error of the state exceeds its covariance.
+ * innovation: measurement minus prediction, both before any of the sensor's corrections
+ * returns: whether the measurement was accepted */
 static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, qt_real gate,
                     const row_t *row, qt_real innovation, qt_real R, qt_rejections_t *rejections,
                     int doubted, correction_t *correction, qt_estimate_t *seen) {
@@ -566,7 +566,7 @@ static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
   return believed;
 }
 
-/* The same for a scalar of the past or of the horizon. */
+/* The same for a scalar at an earlier time or at the horizon. */
 static bool correct_at(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                        const past_t *past, row_t *row, qt_real innovation, qt_real R, int scalar,
                        int doubted, correction_t *correction, qt_estimate_t *seen) {
@@ -577,8 +577,8 @@ static bool correct_at(const qt_estimator_parameters_t *p, qt_estimator_state_t 
                  seen);
 }
 
-/* Adds the corrections to the state. A turn about the vertical takes the velocity with it: the
- * covariance is moved to the velocity as it is after the correction, velocity += turn x change. */
+/* Applies the corrections to the state. A rotation about the vertical also rotates the velocity:
+ * the covariance is transformed to the corrected velocity, velocity += turn x change. */
 static void apply(const correction_t *correction, qt_estimator_state_t *s) {
   const qt_real *dx = correction->errors;
   const qt_real *moved = &dx[AT_POSITION];
@@ -752,9 +752,9 @@ static void use_vector(const qt_estimator_parameters_t *p, qt_estimator_state_t 
   apply(&correction, s);
 }
 
-/* A vehicle that stands has neither velocity nor rates, and its accelerometer shows gravity. That
- * it stands is known, so a large innovation is a large bias: nothing is rejected, and nothing of
- * this counts among the innovations. */
+/* A stationary vehicle has neither velocity nor rates, and its accelerometer measures gravity. As
+ * this is certain, a large innovation means a large bias: nothing is rejected, and none of it
+ * counts among the innovations. */
 static void use_standing(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          bool rates_came, bool force_came) {
   const qt_real no_gate = QT_INFINITY;
@@ -795,7 +795,7 @@ static void use_standing(const qt_estimator_parameters_t *p, qt_estimator_state_
 /* ---- one control period ---- */
 
 /* Stores a sample and finds the one that the horizon reaches in this period.
- * values: those of this period; `due` gets those that are due
+ * values: sample of this period; receives the sample that is due
  * returns: whether one is due, and how long before the horizon it was taken */
 static bool pass(const qt_estimator_parameters_t *p, qt_queue_t *queue, const qt_real values[3],
                  bool came, qt_real age, qt_real due[3], qt_real *ago) {
@@ -804,7 +804,7 @@ static bool pass(const qt_estimator_parameters_t *p, qt_queue_t *queue, const qt
   (void)memcpy(queue->values[queue->newest], values, sizeof queue->values[0]);
   queue->age[queue->newest] = age;
   queue->came[queue->newest] = came;
-  /* Of two samples that are due at once the newer one counts. */
+  /* If two samples are due at once, the newer one is used. */
   for (int k = 0; (k <= QT_HORIZON) && (k <= p->horizon); ++k) {
     const int behind = p->horizon - k;
     int i = queue->newest + behind;
@@ -836,7 +836,7 @@ static bool pass_scalar(const qt_estimator_parameters_t *p, qt_queue_t *queue,
               due, ago);
 }
 
-/* Corrects by every sample that the horizon has reached. */
+/* Corrects with every sample that the horizon has reached. */
 static void correct_by_samples(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                                const qt_sensors_t *sensors, qt_estimate_t *seen) {
   qt_real due[3] = {0.0f, 0.0f, 0.0f};
@@ -872,7 +872,7 @@ static void correct_by_samples(const qt_estimator_parameters_t *p, qt_estimator_
   }
 }
 
-/* Stores the newest readings, scale factors undone; one that did not come is that before. */
+/* Stores the newest samples, with scale factors removed; a missing one is that before. */
 static void take_readings(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                           const qt_sensors_t *sensors, bool rates_came, bool force_came) {
   const int place_of_newest = place_before(s->newest_reading, QT_READINGS);
@@ -889,7 +889,7 @@ static void take_readings(const qt_estimator_parameters_t *p, qt_estimator_state
   }
 }
 
-/* Moves the horizon by one period. */
+/* Advances the horizon by one period. */
 static void predict(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, bool standing) {
   if (!standing) {
     drive_t drive;
@@ -943,7 +943,7 @@ static void write_states(qt_estimator_state_t *s, const qt_motion_t *motion, con
   estimate->roll = qt_atan2(R[7], R[8]);
   estimate->pitch = qt_atan2(-R[6], qt_sqrt((R[0] * R[0]) + (R[3] * R[3])));
   yaw = qt_atan2(R[3], R[0]);
-  /* In the turn nearest to the yaw before. */
+  /* Unwrapped to the turn nearest to the previous yaw. */
   s->yaw = yaw + (QT_TWO_PI * qt_nearest((s->yaw - yaw) * QT_TURNS_PER_RADIAN));
   estimate->yaw = s->yaw;
   qt_transposed_times3(R, motion->velocity, estimate->velocity);

@@ -6,12 +6,12 @@
  *
  * with the set point sp of the 12 states x = (position, roll, pitch, yaw, body velocity, rates),
  * the integral x_int of the errors, and the state a of the actuators, which follow the past
- * commands with their lag. Terms that this law does not have are not in the code. An integral does
- * not grow while the motors produce less than it asks for.
+ * commands with their lag. Terms that this law does not have are removed from the code. An integral
+ * does not grow while the motors produce less than it requests.
  */
 #include "internal.h"
 
-/* Where the states stand. */
+/* Indices of the states. */
 #define NORTH 0
 #define EAST 1
 #define DOWN 2
@@ -32,7 +32,7 @@ static void states_of(const qt_estimate_t *e, qt_real x[12]) {
   x[YAW] = e->yaw;
 }
 
-/* The set point of the 12 states; those that the reference does not speak of are those of x0. */
+/* The set point of the 12 states; states that the reference does not contain are those of x0. */
 static void set_point(const qt_law_parameters_t *p, const qt_real x[12],
                       const qt_reference_t *reference, qt_real sp[12]) {
   qt_real R[9];
@@ -58,7 +58,7 @@ static void set_point(const qt_law_parameters_t *p, const qt_real x[12],
   }
 }
 
-/* (north, east) turned from the heading of the trim to that of the vehicle, or as it is. */
+/* Rotates (north, east) from the heading of the trim to that of the vehicle, or copies it. */
 static void in_position_axes(const qt_law_parameters_t *p, qt_real c, qt_real s, qt_real along[2]) {
   if (p->heading_axes) {
     const qt_real north = along[0];
@@ -69,7 +69,7 @@ static void in_position_axes(const qt_law_parameters_t *p, qt_real c, qt_real s,
 }
 
 #if QT_WITH_INTEGRALS
-/* What the motors do not produce already of the inputs that this integral asks for, > 0. */
+/* The part of the requested inputs of this integral that the motors do not produce, > 0. */
 static qt_real pushes(const qt_law_parameters_t *p, const qt_law_state_t *s, int j,
                       const qt_real error[12], qt_real c, qt_real sine) {
   const int of = p->integrated[j];

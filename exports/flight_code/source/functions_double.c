@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sine, cosine, arc tangent, logarithm and exponential function in double precision: errors of at
- * most 2 units in the last place, of the arc tangent 4. */
+ * most 2 units in the last place, for the arc tangent 4. */
 #include "maths.h"
 
 #define MOST_COEFFICIENTS 6 /* of a polynomial below */
@@ -51,7 +51,7 @@ void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   const qt_real z = r * r;
   const qt_real s = r + ((r * z) * polynomial(z, of_sine, 6));
   const qt_real c = (1.0 - (0.5 * z)) + ((z * z) * polynomial(z, of_cosine, 6));
-  /* k modulo 4: an integer added to 1.5 2^52 stands in the last bits. */
+  /* k modulo 4: the last bits of k + 1.5 2^52 are those of the integer k. */
   const uint64_t quarter = bits_of(k + QT_ROUNDING) & 3u;
   const bool odd = (quarter & 1u) != 0u;
   const qt_real a = odd ? c : s;
@@ -120,7 +120,7 @@ qt_real qt_natural_logarithm(qt_real x) {
   return (m + y) + (e * 0.693359375);
 }
 
-/* Of |x| <= 700. */
+/* For |x| <= 700. */
 qt_real qt_exponential(qt_real x) {
   static const qt_real above[3] = {1.26177193074810590878e-4, 3.02994407707441961300e-2,
                                    9.99999999999999999910e-1};

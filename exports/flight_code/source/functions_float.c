@@ -29,7 +29,7 @@ void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   const qt_real c = (1.0f - (0.5f * z)) +
                     ((z * z) * ((((2.443315711809948e-5f * z) - 1.388731625493765e-3f) * z) +
                                 4.166664568298827e-2f));
-  /* k modulo 4: an integer added to 1.5 2^23 stands in the last bits. */
+  /* k modulo 4: the last bits of k + 1.5 2^23 are those of the integer k. */
   const uint32_t quarter = bits_of(k + QT_ROUNDING) & 3u;
   const bool odd = (quarter & 1u) != 0u;
   const qt_real a = odd ? c : s;

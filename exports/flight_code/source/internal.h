@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The parameters, and what the parts of the flight program call of each other. */
+/* Parameters and internal functions of the flight program. */
 #ifndef QT_INTERNAL_H
 #define QT_INTERNAL_H
 
@@ -16,10 +16,10 @@ typedef struct {
   qt_real inverse_scale; /* truth over reading */
 } qt_aid_t;
 
-/* Weights of the readings that carry the motion from the horizon to the present. */
+/* Weights of the samples that propagate the motion from the horizon to the present. */
 typedef struct {
-  qt_real held; /* of the newest reading, held */
-  int count;    /* periods of interpolated readings before */
+  qt_real held; /* of the newest sample, held */
+  int count;    /* earlier periods with interpolated samples */
   qt_real later[QT_HORIZON];
   qt_real earlier[QT_HORIZON];
 } qt_now_weights_t;
@@ -27,10 +27,10 @@ typedef struct {
 typedef struct {
   qt_real dt;           /* control period [s] */
   qt_real gravity;      /* [m/s^2] */
-  int horizon;          /* control periods by which the inertial readings are late */
+  int horizon;          /* delay of the inertial samples in control periods */
   qt_real horizon_time; /* [s] */
-  /* A late reading of a period: interpolated between the stored ones from this place on, as the
-   * mean over the period, and at its end. */
+  /* A delayed sample of a period is interpolated between the stored ones from this index on: as
+   * the mean over the period, and at its end. */
   int gyro_whole;
   int force_whole;
   qt_real gyro_mean[2];
@@ -48,8 +48,8 @@ typedef struct {
   qt_real force_walk;        /* [m^2/s^4] */
   qt_real pressure_walk;     /* that the barometer's offset gains [m^2] */
   qt_real gate;              /* e^2/S above which a measurement is rejected */
-  qt_real recovery_time;     /* rejected for so long, a sensor is believed again [s] */
-  qt_real standing_variance; /* of velocity and rates while the vehicle stands */
+  qt_real recovery_time;     /* after rejections for so long, a sensor is accepted again [s] */
+  qt_real standing_variance; /* of velocity and rates while stationary */
   qt_real lift_off_variance; /* least of the vertical velocity when it stops standing [m^2/s^2] */
   qt_real start_variance[QT_ERRORS];
   qt_real due[QT_HORIZON + 2];    /* k dt - QT_INSTANT [s] */
@@ -96,13 +96,13 @@ typedef struct {
 #if QT_WITH_MAMBO
 typedef struct {
   qt_real gravity;                /* [m/s^2] */
-  int32_t calibration_periods;    /* in which the vehicle stands still after the start */
+  int32_t calibration_periods;    /* in which the vehicle is stationary after the start */
   qt_real attitude_time_constant; /* of the correction by the accelerometer [s] */
   qt_real force_band;             /* share of g by which |f| may differ until it counts nothing */
   qt_real bias_time_constant;     /* in which a bias of the gyroscope is found [s] */
   qt_real altitude_Q;             /* variance that vz gains in a period [m^2/s^2] */
   qt_real altitude_R;             /* of the sonar [m^2] */
-  qt_real sonar_least;            /* shortest echo that is believed [m] */
+  qt_real sonar_least;            /* shortest valid echo [m] */
   qt_real sonar_greatest;         /* longest [m] */
   qt_real sonar_jump;             /* greatest step from one echo to the next [m] */
   qt_real sonar_deviation;        /* greatest distance from the estimated height [m] */
@@ -112,7 +112,7 @@ typedef struct {
   qt_real flow_scale;             /* correction factor of the flow */
   qt_real flow_compensation[2];   /* how much of it the body's turning makes, for x and y */
   qt_real gyro_lag;               /* of a reading of the gyroscope [s] */
-  qt_real flow_least_height;      /* below which the flow is not believed [m] */
+  qt_real flow_least_height;      /* below which the flow is ignored [m] */
   qt_real flow_timeout;           /* after which the newest flow is not used [s] */
   bool hold_flow;                 /* the newest flow corrects in every period until the next */
   bool position_of_flow;          /* position is the sum of the flow's velocity */
@@ -123,7 +123,7 @@ typedef struct {
 #endif
 #if QT_WITH_UQUAD
 typedef struct {
-  int32_t calibration_periods; /* in which the vehicle stands still after the start */
+  int32_t calibration_periods; /* in which the vehicle is stationary after the start */
   qt_real Q[QT_STATES];        /* variances that the states gain in a period */
   qt_real start_variance[QT_STATES];
   qt_real tilt_R;             /* of roll and pitch by the accelerometer [rad^2] */
@@ -135,20 +135,20 @@ typedef struct {
   qt_real gps_velocity_R;     /* per axis [m^2/s^2] */
   qt_real vision_R;           /* of positions from images, per axis [m^2] */
   qt_real gate;               /* e^2/S above which a measurement is rejected */
-  bool position;              /* false: px, py, u and v stand as they are, without error */
+  bool position;              /* false: px, py, u and v are constant, without error */
   bool biases;                /* whether those of the accelerometer are estimated */
-  bool yaw_by_estimated_tilt; /* the field is turned level by the estimate, or by the force */
-  /* Variances of tilt and yaw times 1 + (d/band)^2, d the relative distance of |f| from g, for the
-   * yaw also that of the field from its norm. */
+  bool yaw_by_estimated_tilt; /* the field is leveled by the estimated tilt, not by the force */
+  /* Variances of tilt and yaw are multiplied by 1 + (d/band)^2, with d the relative difference of
+   * |f| from g, for the yaw also that of the field from its norm. */
   bool dynamic_covariance;
   qt_real force_band;
   qt_real field_band;
-  qt_real field_norm;         /* [uT]; 0: the mean while the vehicle stands */
+  qt_real field_norm;         /* [uT]; 0: the mean while stationary */
   qt_real declination;        /* of magnetic north, east positive [rad] */
-  qt_real reference_pressure; /* at z = 0, unless there is a mean while the vehicle stands [Pa] */
+  qt_real reference_pressure; /* at z = 0, unless there is a mean while stationary [Pa] */
   qt_real gps_timeout;        /* without GPS and images, after which u and v are held at 0 [s] */
   qt_real still_variance;     /* of that [m^2/s^2] */
-  qt_real standing_variance;  /* of the velocity 0 while the vehicle stands [m^2/s^2] */
+  qt_real standing_variance;  /* of the velocity 0 while stationary [m^2/s^2] */
   /* The vehicle. */
   qt_real gravity;              /* [m/s^2] */
   qt_real inverse_mass;         /* [1/kg] */
@@ -232,7 +232,7 @@ typedef struct {
 } qt_law_parameters_t;
 
 #endif
-/* From a wrench (thrust along body -z, torques about body x, y, z) to commands. */
+/* Conversion from a wrench (thrust along body -z, torques about body x, y, z) to commands. */
 typedef struct {
   qt_real P[QT_ROTORS][4]; /* thrusts from wrench */
 #if !QT_WITH_CASCADE
@@ -267,40 +267,40 @@ extern const qt_parameters_t qt_parameters;
 #if QT_WITH_ESTIMATOR
 void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_start_t *start);
-/* Whether the estimate is finite is left to the caller. */
+/* The caller checks whether the estimate is finite. */
 void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                        const qt_sensors_t *sensors, qt_estimate_t *estimate);
 #endif
 #if QT_WITH_CASCADE
 void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estimate_t *x,
                  const qt_reference_t *reference, qt_real wrench[4]);
-/* Tells the law what the motors carry out of what it asked for. */
+/* Informs the law what the motors produce of its request. */
 void qt_law_carried_out(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_real asked[4],
                         const qt_real made[4]);
 #else
 void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estimate_t *estimate,
                  const qt_reference_t *reference, qt_real u[QT_INPUTS]);
-/* Tells the law what the motors carry out of what it asked for. */
+/* Informs the law what the motors produce of its request. */
 void qt_law_carried_out(const qt_law_parameters_t *p, qt_law_state_t *s,
                         const qt_real asked[QT_INPUTS], const qt_real made[QT_INPUTS]);
 #endif
 
-/* The nearest wrench that the rotors can produce; `asked` itself where they can produce it.
- * Returns whether it is another. */
+/* The feasible wrench nearest to `asked`; `asked` itself if the rotors can produce it.
+ * Returns whether it differs. */
 bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]);
 void qt_speeds_of_wrench(const qt_motors_t *p, const qt_real wrench[4], qt_real speeds[QT_ROTORS]);
-/* Commands for these speeds, within the motors' limits, and the speeds that they stand for. */
+/* Commands for these speeds, within the motors' limits, and the resulting speeds. */
 void qt_commands_of_speeds(const qt_motors_t *p, qt_real speeds[QT_ROTORS],
                            qt_real commands[QT_ROTORS]);
 void qt_speeds_of_commands(const qt_motors_t *p, const qt_real commands[QT_ROTORS],
                            qt_real speeds[QT_ROTORS]);
 #if !QT_WITH_CASCADE
-/* The inputs of the law for which these are the speeds. */
+/* The inputs of the law that correspond to these speeds. */
 void qt_inputs_of_speeds(const qt_motors_t *p, const qt_real speeds[QT_ROTORS],
                          qt_real inputs[QT_INPUTS]);
 #endif
 #if QT_WITH_ROTOR_INPUTS
-/* The speeds that the inputs of the law ask for. */
+/* The speeds that correspond to the inputs of the law. */
 void qt_speeds_of_inputs(const qt_motors_t *p, const qt_real inputs[QT_INPUTS],
                          qt_real speeds[QT_ROTORS]);
 /* The wrench of these speeds; returns whether a rotor cannot produce its thrust. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Steady Kalman filters: the gains are those that the variances settle at. */
+/* Steady Kalman filters: the gains are those of the steady-state covariances. */
 #include "kalman.h"
 
 #include "maths.h"

@@ -9,9 +9,9 @@
  *   e = y - C x, estimate = x + M e      qt_kalman_correct()
  *   x = A x + B u + L e                  qt_kalman_predict()
  *
- * The two are apart so that u may follow from the estimate. A design without covariance between the
- * noises of process and measurement has L = A M: the prediction then begins from the estimate. For
- * the control law of the program, write the estimate into a structure qt_estimate_t.
+ * The two are separate so that u may depend on the estimate. A design without covariance between
+ * the noises of process and measurement has L = A M: the prediction then starts from the estimate.
+ * For the control law of the program, write the estimate into a structure qt_estimate_t.
  */
 #ifndef QT_KALMAN_H
 #define QT_KALMAN_H
@@ -23,7 +23,7 @@
 #define QT_KALMAN_INPUTS 4       /* likewise */
 #define QT_KALMAN_MEASUREMENTS 6 /* likewise */
 
-/* What a filter does not have of these sizes is 0. */
+/* Unused entries are 0. */
 typedef struct {
   int states;
   int inputs;
@@ -37,21 +37,21 @@ typedef struct {
 
 typedef struct {
   qt_real x[QT_KALMAN_STATES];       /* predicted for the measurement to come */
-  qt_real e[QT_KALMAN_MEASUREMENTS]; /* of the measurement since; 0: none came */
+  qt_real e[QT_KALMAN_MEASUREMENTS]; /* of the measurement since then; 0: none */
 } qt_kalman_state_t;
 
 extern const qt_kalman_t qt_kalman[QT_KALMAN_FILTERS]; /* in the order above */
 
-/* Must come first: what is known of the states; 0 if nothing is. */
+/* Must be called first. The known states; 0 if none are known. */
 void qt_kalman_initialize(const qt_kalman_t *filter, qt_kalman_state_t *state,
                           const qt_real x[QT_KALMAN_STATES]);
 
-/* The measurement of now; left out in a period without one. An entry of y that is not finite is not
- * used. Returns whether the estimate is finite; if it is not, it will not recover. */
+/* Corrects with the current measurement; not called in a period without one. Entries of y that are
+ * not finite are ignored. Returns whether the estimate is finite; otherwise it does not recover. */
 bool qt_kalman_correct(const qt_kalman_t *filter, qt_kalman_state_t *state,
                        const qt_real y[QT_KALMAN_MEASUREMENTS], qt_real estimate[QT_KALMAN_STATES]);
 
-/* To the next period. An entry of u that is not finite counts as 0. */
+/* Predicts the next period. Entries of u that are not finite count as 0. */
 void qt_kalman_predict(const qt_kalman_t *filter, qt_kalman_state_t *state,
                        const qt_real u[QT_KALMAN_INPUTS]);
 

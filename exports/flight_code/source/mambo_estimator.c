@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The estimator of the Parrot Mambo, one call a control period:
+ * The estimator of the Parrot Mambo, called once per control period:
  *
  * - Attitude, by a complementary filter: the rates of the gyroscope are integrated; the tilt that
- * the accelerometer shows corrects roll and pitch.
+ *   the accelerometer measures corrects roll and pitch.
  * - Height, by a Kalman filter of [z, vz]: driven by the vertical acceleration, corrected by the
- * sonar.
+ *   sonar.
  * - Velocity, by a Kalman filter of [vx, vy] in the world: driven by the horizontal acceleration,
- *   corrected by the optical flow, from which the body's turning is taken out.
- * - Position, the sum of the velocity, corrected by positions from images, if there are any.
+ *   corrected by the optical flow after subtracting the effect of the body's rotation.
+ * - Position, the integral of the velocity, corrected by positions from images, if there are any.
  *
  * The Kalman filters correct, x = x + K (y - C x), P = (I - K C) P (I - K C)' + K R K' with
  * K = P C' (C P C' + R)^-1, give their estimate, and predict the next period.
  */
 #include "internal.h"
 
-#define LEAST_TILT_COSINE 0.5f /* sonar and flow look too far aside beyond 60 degrees */
+#define LEAST_TILT_COSINE 0.5f /* sonar and flow are not usable beyond 60 degrees of tilt */
 
 void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_start_t *start) {
@@ -43,7 +43,7 @@ void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_st
   s->echo_height = -start->position[2];
 }
 
-/* The vehicle stands still: what gyroscope and accelerometer say on average are their offsets. */
+/* While the vehicle is stationary, the means of gyroscope and accelerometer are their biases. */
 static void calibrate(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                       const qt_real gyro[3], bool gyro_fresh, bool force_fresh) {
   ++s->periods;
@@ -67,7 +67,7 @@ static void calibrate(const qt_estimator_parameters_t *p, qt_estimator_state_t *
   }
 }
 
-/* Rates of roll, pitch and yaw from body rates; near 90 degrees of pitch they are held finite. */
+/* Rates of roll, pitch and yaw from body rates; kept finite near 90 degrees of pitch. */
 static void euler_rates(qt_real roll, qt_real pitch, const qt_real rates[3], qt_real of_angles[3]) {
   const qt_real least = 0.05f;
   qt_real sr;
@@ -92,7 +92,7 @@ static void turn(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, co
   qt_real at_half[3];
   const qt_real norm = qt_sqrt(qt_square3(force));
   const qt_real excess = qt_abs((norm / p->gravity) - 1.0f) / p->force_band;
-  /* A falling body feels nothing, and what is left then points anywhere. */
+  /* In free fall the specific force is near zero, and its direction is meaningless. */
   const bool felt = force_fresh && (norm > (0.1f * p->gravity));
   const qt_real weight = felt ? qt_max(1.0f - excess, 0.0f) : 0.0f;
   const qt_real alpha = (QT_DT / (p->attitude_time_constant + QT_DT)) * weight;
@@ -126,14 +126,14 @@ static void turn(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, co
   s->gyro_bias[2] += (beta * sr) * pitch_error;
 }
 
-/* The two off the diagonal become their mean, as rounding makes them differ. */
+/* Replaces the off-diagonal entries by their mean, because rounding makes them differ. */
 static void symmetrize(qt_real P[4]) {
   const qt_real mean = 0.5f * (P[1] + P[2]);
   P[1] = mean;
   P[2] = mean;
 }
 
-/* [z, vz] by a height y = z + v. */
+/* Corrects [z, vz] with a height y = z + v. */
 static bool use_height(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, qt_real y,
                        qt_estimate_t *estimate) {
   qt_real *P = s->height_P;
@@ -157,12 +157,12 @@ static bool use_height(const qt_estimator_parameters_t *p, qt_estimator_state_t 
   return used;
 }
 
-/* After a while without an echo that is near the estimate, a steady one restarts the filter. */
+/* After a time without an echo near the estimate, a steady echo restarts the filter. */
 static void correct_height(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                            const qt_scalar_sample_t *sonar, const qt_real R[9], bool upright,
                            qt_estimate_t *estimate) {
   const qt_real echo_height = sonar->value * R[8];
-  /* Comparisons with NaN, which stands for no echo, are false. */
+  /* Comparisons with NaN, which means no echo, are false. */
   const bool echo = sonar->fresh && upright && (sonar->value >= p->sonar_least) &&
                     (sonar->value <= p->sonar_greatest);
   const bool steady = echo && (qt_abs(echo_height - s->echo_height) <= p->sonar_jump);
@@ -177,15 +177,15 @@ static void correct_height(const qt_estimator_parameters_t *p, qt_estimator_stat
     s->height_P[3] = 1.0f; /* the speed is known to a metre a second */
     estimate->height_used = true;
   } else {
-    /* Nothing is believed of this period. */
+    /* No sample of this period is used. */
   }
   s->echo_height = echo ? echo_height : s->echo_height;
   s->unbelieved_time = estimate->height_used ? 0.0f : (s->unbelieved_time + QT_DT);
 }
 #if QT_WITH_ALIGNED_FLOW
 
-/* Stores this period's flow and rates, and takes the body's turning at the time of its image out of
- * the flow for which this has become possible. Returns whether there is one. */
+/* Stores the flow and the rates of this period, and subtracts the body's rotation at the time of
+ * its image from the flow for which this has become possible. Returns whether there is one. */
 static bool aligned_flow(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          const qt_real rates[3], const qt_flow_sample_t *flow, bool fresh,
                          qt_real translation[2]) {
@@ -202,7 +202,7 @@ static bool aligned_flow(const qt_estimator_parameters_t *p, qt_estimator_state_
   for (int k = 1; k <= QT_MOMENTS; ++k) {
     const int j = QT_MOMENTS - k;
     const qt_flow_moment_t *moment = &s->moments[j];
-    /* Control periods since the gyroscope's readings covered the time of the image. */
+    /* Control periods since the gyroscope's samples covered the time of the image. */
     const qt_real ago = ((moment->age - p->gyro_lag) / QT_DT) + (qt_real)j;
     const bool covered = ago > -1e-6f;
     if (moment->came && covered && ((j == 0) || !(ago > 0.999999f))) {
@@ -210,7 +210,7 @@ static bool aligned_flow(const qt_estimator_parameters_t *p, qt_estimator_state_
       const qt_real back = qt_clamp(ago, 0.0f, (qt_real)last);
       qt_real turning[2] = {0.0f, 0.0f};
       for (int i = 0; i < QT_MOMENTS; ++i) {
-        /* Linear interpolation between two readings. */
+        /* Linear interpolation between two samples. */
         const qt_real weight = qt_max(1.0f - qt_abs(back - (qt_real)i), 0.0f);
         turning[0] += s->moments[i].rates[0] * weight;
         turning[1] += s->moments[i].rates[1] * weight;
@@ -224,8 +224,8 @@ static bool aligned_flow(const qt_estimator_parameters_t *p, qt_estimator_state_
 }
 #endif
 
-/* The horizontal velocity in the world that the newest flow means: flow = -velocity / depth along
- * body z, and the third component follows from vz. */
+/* The horizontal velocity in the world from the newest flow: flow = -velocity / depth along body z;
+ * the third component follows from vz. */
 static void velocity_of_flow(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
                              const qt_real R[9], qt_real velocity[2]) {
   const qt_real cosine = qt_max(R[8], LEAST_TILT_COSINE);
@@ -237,7 +237,7 @@ static void velocity_of_flow(const qt_estimator_parameters_t *p, const qt_estima
   velocity[1] = ((R[3] * u) + (R[4] * v)) + (R[5] * w);
 }
 
-/* [vx, vy] by a velocity y = [vx, vy] + v. */
+/* Corrects [vx, vy] with a velocity y = [vx, vy] + v. */
 static void use_velocity(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          const qt_real y[2], qt_estimate_t *estimate) {
   qt_real *P = s->velocity_P;
@@ -280,7 +280,7 @@ static void use_velocity(const qt_estimator_parameters_t *p, qt_estimator_state_
   }
 }
 
-/* Returns whether the newest flow is believed; `measured` is the velocity that it means. */
+/* Returns whether the newest flow is accepted; `measured` receives its velocity. */
 static bool correct_velocity(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_flow_sample_t *flow, const qt_real rates[3],
                              const qt_real R[9], bool upright, qt_real measured[2],
@@ -310,7 +310,7 @@ static bool correct_velocity(const qt_estimator_parameters_t *p, qt_estimator_st
   return valid;
 }
 
-/* By images, carried over the time that the image took to be read. */
+/* Corrects with positions from images, propagated over the delay of the image. */
 static void correct_position(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_vector_sample_t *vision) {
   if (vision->fresh && (vision->age >= 0.0f) && qt_all_finite(vision->value)) {
@@ -325,7 +325,7 @@ static void correct_position(const qt_estimator_parameters_t *p, qt_estimator_st
   }
 }
 
-/* What the next period begins with. */
+/* Predicts the start of the next period. */
 static void predict(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                     const qt_real acceleration[3], const qt_real flow_velocity[2], bool valid) {
   qt_real *P = s->height_P;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Arithmetic of the flight program: small vectors and matrices (row by row), and sine, cosine, arc
- * tangent, logarithm and exponential function from sums, products and quotients alone, so that
+ * tangent, logarithm and exponential function that use only sums, products and quotients, so that
  * every processor and every C library gives the same bits. Coefficients: Cephes (S. L. Moshier).
  */
 #ifndef QT_MATHS_H
@@ -29,28 +29,28 @@
 #endif
 
 static inline qt_real qt_sqrt(qt_real x) { return sqrtf(x); }
-/* The nearest integer, ties to even, of |x| < 2^21. */
+/* The nearest integer, ties to even, for |x| < 2^21. */
 static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUNDING; }
 
-/* Of |x| <= 8192 rad. */
+/* For |x| <= 8192 rad. */
 void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine);
 /* In [-pi, pi]; 0 for x = y = 0. */
 qt_real qt_atan2(qt_real y, qt_real x);
 #if QT_WITH_LOGARITHM
-/* Of normal numbers > 0. */
+/* For normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x);
-/* Of |x| <= 80. */
+/* For |x| <= 80. */
 qt_real qt_exponential(qt_real x);
 
-/* The height at which the standard atmosphere has this pressure, above that at which it has
- * `zero` [m]. */
+/* The height in the standard atmosphere at which the pressure is `pressure`, above the height at
+ * which it is `zero` [m]. */
 static inline qt_real qt_barometric_height(qt_real pressure, qt_real zero) {
   return 44330.0f * (1.0f - qt_exponential(0.190295f * qt_natural_logarithm(pressure / zero)));
 }
 #endif
 #if QT_WITH_ESTIMATOR
 
-/* The angle less whole turns, in [-pi, pi] [rad]. */
+/* The angle minus whole turns, in [-pi, pi] [rad]. */
 static inline qt_real qt_wrapped(qt_real angle) {
   return angle - (QT_TWO_PI * qt_nearest(angle * QT_TURNS_PER_RADIAN));
 }

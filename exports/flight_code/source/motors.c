@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From the wrench (thrust along body -z, torques about body x, y, z) to the motors' commands.
+ * Conversion from the wrench (thrust along body -z, torques about body x, y, z) to motor commands.
  *
  *   thrust_i = thrust0_i + P_i (wrench - wrench0)
  *   speed_i  = larger root w of a2 w^2 + a1 w = thrust_i
  *
- * Where the rotors cannot produce the wrench: roll and pitch torque are multiplied by the largest
- * factor for which some thrust keeps all rotors within their limits, the thrust moves into that
- * range, and the yaw torque is multiplied by the largest factor that then remains.
+ * If the rotors cannot produce the wrench: roll and pitch torque are multiplied by the largest
+ * factor for which some thrust keeps all rotors within their limits, the thrust is moved into that
+ * range, and the yaw torque is multiplied by the largest factor that is then feasible.
  */
 #include "internal.h"
 
@@ -30,7 +30,7 @@ static qt_real speed_for_thrust(qt_real thrust, qt_real a2, qt_real a1) {
   return qt_max((qt_sqrt((a1 * a1) + (4.0f * a2 * t)) - a1) / (2.0f * a2), 0.0f);
 }
 
-/* The collective thrust at which rotor i meets `limit` when it carries the share s of roll and
+/* The collective thrust at which rotor i reaches `limit` if it carries the share s of roll and
  * pitch torque. */
 static qt_real collective_at(const qt_motors_t *p, int i, qt_real limit, qt_real b, qt_real d,
                              qt_real share) {
@@ -49,7 +49,7 @@ static bool feasible(const qt_motors_t *p, const qt_real wrench[4]) {
   return within;
 }
 
-/* The nearest wrench that the rotors can produce, of one that they cannot. */
+/* The feasible wrench nearest to one that the rotors cannot produce. */
 static void nearest_wrench(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]) {
   const qt_real x = qt_is_finite(asked[1]) ? asked[1] : 0.0f;
   const qt_real y = qt_is_finite(asked[2]) ? asked[2] : 0.0f;
@@ -62,7 +62,7 @@ static void nearest_wrench(const qt_motors_t *p, const qt_real asked[4], qt_real
   qt_real high = QT_INFINITY;
   qt_real thrust;
   qt_real yaw = 1.0f;
-  /* Rotor i carries b + e T + s d of the thrust T and of the share s of roll and pitch torque. */
+  /* The thrust of rotor i is b + e T + s d, with T the thrust, s the share of roll/pitch torque. */
   for (int i = 0; i < QT_ROTORS; ++i) {
     b[i] = p->thrust0[i];
     for (int j = 0; j < 4; ++j) {
@@ -97,7 +97,7 @@ static void nearest_wrench(const qt_motors_t *p, const qt_real asked[4], qt_real
     } else if (more < 0.0f) {
       yaw = qt_min(yaw, qt_max(carried - p->least[i], 0.0f) / qt_abs(more));
     } else {
-      /* This rotor has no part in the yaw torque. */
+      /* This rotor does not contribute to the yaw torque. */
     }
   }
   made[0] = thrust;
@@ -106,8 +106,8 @@ static void nearest_wrench(const qt_motors_t *p, const qt_real asked[4], qt_real
   made[3] = yaw * z;
 }
 
-/* The nearest wrench that the rotors can produce; `asked` itself where they can.
- * returns: whether it is another */
+/* The feasible wrench nearest to `asked`; `asked` itself if the rotors can produce it.
+ * returns: whether it differs */
 bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]) {
   const bool limited = !feasible(p, asked);
   if (limited) {
@@ -125,7 +125,7 @@ void qt_speeds_of_wrench(const qt_motors_t *p, const qt_real wrench[4], qt_real 
   }
 }
 
-/* The speed that a command without its sign stands for. */
+/* The speed that corresponds to a command without its sign. */
 static qt_real speed_of_command(const qt_motors_t *p, qt_real command) {
 #if QT_WITH_SQUARED_COMMANDS
   return qt_sqrt(p->gain * command);

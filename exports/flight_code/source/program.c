@@ -11,7 +11,7 @@ void qt_initialize(qt_state_t *state, const qt_start_t *start) {
 #endif
 }
 
-/* The commands of phase QT_IDLE. A law that remembers its commands must know of them. */
+/* Sends the commands of phase QT_IDLE. A law with a memory of its commands needs them. */
 static void idle(qt_state_t *state, const qt_reference_t *reference, qt_output_t *output) {
   const qt_motors_t *motors = &qt_parameters.motors;
   (void)memcpy(output->command, reference->idle, sizeof output->command);
@@ -27,7 +27,7 @@ static void idle(qt_state_t *state, const qt_reference_t *reference, qt_output_t
 #endif
 }
 
-/* The law has the motors. */
+/* The law controls the motors. */
 static void fly(qt_state_t *state, const qt_estimate_t *estimate, const qt_reference_t *reference,
                 qt_output_t *output) {
   const qt_motors_t *motors = &qt_parameters.motors;

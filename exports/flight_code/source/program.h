@@ -8,7 +8,7 @@
  * Axes: body forward-right-down, world north-east-down (a height is a negative position).
  * Units: m, s, rad, N, Pa, microtesla. R = Rz(yaw) Ry(pitch) Rx(roll) takes body axes to world
  * axes; yaw is unwrapped.
- * No heap, no input or output, no recursion; all that is kept is in the structure qt_state_t.
+ * No heap, no input or output, no recursion; the complete state is in the structure qt_state_t.
  */
 #ifndef QT_H
 #define QT_H
@@ -23,17 +23,17 @@ typedef float qt_real;
 
 #include "state.h"
 
-/* ---- what goes in ---- */
+/* ---- inputs ---- */
 
 #if QT_WITH_ESTIMATOR
 #if QT_WITH_UQUAD
-/* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
- * is the time since it was measured [s], of which this program reads that of the vision. A sample
- * is not used if a number of it is not finite. */
+/* The newest sample of a sensor. `fresh` is true only in the control period in which it arrived;
+ * `age` is the time since it was measured [s], which this program reads for the vision only. A
+ * sample with a number that is not finite is ignored. */
 #else
-/* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
- * is the time since it was measured [s]. A sample is not used if a number of it is not finite or
- * its age is negative. */
+/* The newest sample of a sensor. `fresh` is true only in the control period in which it arrived;
+ * `age` is the time since it was measured [s]. A sample with a number that is not finite or with a
+ * negative age is ignored. */
 #endif
 typedef struct {
   qt_real value[3];
@@ -60,8 +60,8 @@ typedef struct {
   qt_vector_sample_t magnetic_field; /* body axes [uT] */
   qt_scalar_sample_t pressure;       /* of the air [Pa] */
   qt_scalar_sample_t range;          /* along body z down to the ground [m] */
-  /* Mean image velocity over focal length [rad/s]: level, at the height h,
-   * (-v_x / h - w_y, -v_y / h + w_x) of the body's velocity v and rates w. */
+  /* Mean image velocity divided by the focal length [rad/s]: for a level body at the height h,
+   * (-v_x / h - w_y, -v_y / h + w_x) with the body's velocity v and rates w. */
   qt_flow_sample_t flow;
   qt_vector_sample_t gps_position; /* world [m] */
   qt_vector_sample_t gps_velocity; /* world [m/s] */
@@ -85,11 +85,11 @@ typedef struct {
   qt_real roll;        /* [rad], where track_position is false */
   qt_real pitch;       /* [rad], likewise */
   qt_real yaw;         /* [rad], unwrapped */
-  /* Motor commands in phase QT_IDLE, with their signs. They are passed on unchecked. */
+  /* Motor commands in phase QT_IDLE, with their signs. They are sent unchecked. */
   qt_real idle[QT_ROTORS];
 } qt_reference_t;
 
-/* ---- what comes out ---- */
+/* ---- outputs ---- */
 
 typedef struct {
   qt_real position[3];        /* world [m] */
@@ -99,24 +99,24 @@ typedef struct {
   qt_real velocity[3];        /* body [m/s] */
   qt_real rates[3];           /* body [rad/s] */
   bool finite;                /* false, or a number above that is not finite: all commands are 0 */
-  bool height_used;           /* whether range or pressure was believed in this period */
+  bool height_used;           /* whether range or pressure was accepted in this period */
   bool flow_used;             /* whether the flow was */
   qt_real innovation_square;  /* sum of e^2/S over the measurements used in this period */
   qt_real innovation_freedom; /* how many those are */
 } qt_estimate_t;
 
 typedef struct {
-  /* Of the motors: @COMMAND@. */
+  /* Motor commands: @COMMAND@. */
   qt_real command[QT_ROTORS];
   qt_real speed[QT_ROTORS]; /* that these commands stand for [rad/s] */
-  qt_real wrench[4];        /* that the law asks for: thrust along body -z [N], torques [N m] */
+  qt_real wrench[4];        /* request of the law: thrust along body -z [N], torques [N m] */
   bool limited;             /* the motors cannot produce that wrench; they produce the nearest */
   qt_estimate_t estimate;
 } qt_output_t;
 
 /* ---- entry points ---- */
 
-/* What is known when the program starts. */
+/* Known values when the program starts. */
 typedef struct {
   qt_real position[3];     /* world [m] */
   qt_real velocity[3];     /* body [m/s] */
@@ -129,25 +129,25 @@ typedef struct {
   qt_real pressure_height; /* of the barometer's height [m] */
 } qt_start_t;
 
-/* Must come first, and again after a flight. */
+/* Must be called first, and again after a flight. */
 void qt_initialize(qt_state_t *state, const qt_start_t *start);
 
 #if QT_WITH_ESTIMATOR
-/* One control period. It is qt_estimate() and then qt_control(). */
+/* One control period: qt_estimate() followed by qt_control(). */
 void qt_step(qt_state_t *state, const qt_sensors_t *sensors, const qt_reference_t *reference,
              qt_output_t *output);
 
 #if QT_WITH_UQUAD
-/* The estimator alone. It predicts by the speeds of the last qt_control(). */
+/* The estimator only. It predicts with the speeds of the last qt_control(). */
 #else
-/* The estimator alone. */
+/* The estimator only. */
 #endif
 void qt_estimate(qt_state_t *state, const qt_sensors_t *sensors, qt_estimate_t *estimate);
 
 /* Control law, allocation and motor commands from an estimate of your own. */
 #else
 /* One control period: control law, allocation and motor commands from your estimate, of which the
- * position, angles, velocity, rates and `finite` are read. */
+ * position, angles, velocity, rates and `finite` are used. */
 #endif
 void qt_control(qt_state_t *state, const qt_estimate_t *estimate, const qt_reference_t *reference,
                 qt_output_t *output);

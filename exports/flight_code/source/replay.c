@@ -4,10 +4,10 @@
  * A recorded run of the Kalman filters is replayed likewise.
  *
  *   replay flight.txt   compares every command and every estimate with those of the file, bit by
- *                       bit; exit status 0 if all are equal, 1 if not, 2 if the file is no flight
+ *                       bit; exit status 0 if all are equal, 1 if not, 2 if the file is malformed
  *   replay -            another program flies this one: it writes to standard input the line
- *                       `start ...`, then two lines a control period, the first group of numbers of
- *                       a recorded flight, answered with the estimate, and the second, answered
+ *                       `start ...`, then two lines per control period: the first group of numbers
+ *                       of a recorded flight, answered with the estimate, and the second, answered
  *                       with commands, estimate and flags
  */
 #include <string.h>
@@ -160,7 +160,7 @@ static bool filter_repeats(void) {
 }
 #endif
 
-/* Replays a flight, or is flown; the exit status. */
+/* Replays a flight, or answers another program; returns the exit status. */
 static int replay(FILE *file, bool flown) {
   qt_real results[RESULTS];
   qt_start_t start;
@@ -197,18 +197,18 @@ static int replay(FILE *file, bool flown) {
       } else if (!repeats(results, RESULTS)) {
         status = 1;
       } else {
-        /* The period is as it was recorded. */
+        /* The period matches the recording. */
       }
       ++periods;
     }
     if (broken || (!started)) {
-      (void)fprintf(stderr, "replay: line %ld is no line of a recorded flight\n", number_of_line);
+      (void)fprintf(stderr, "replay: line %ld is malformed\n", number_of_line);
       status = 2;
     }
   }
   if ((!flown) && (status == 0)) {
     if (periods == 0) {
-      (void)fprintf(stderr, "replay: the file holds no control period\n");
+      (void)fprintf(stderr, "replay: the file has no control period\n");
       status = 2;
     } else {
       (void)printf("%ld control periods, all equal bit by bit\n", periods);
@@ -226,10 +226,10 @@ int main(int argc, char **argv) {
   } else if (argc == 2) {
     file = fopen(argv[1], "r");
   } else {
-    /* There is no file. */
+    /* No file to close. */
   }
   if (file == NULL) {
-    (void)fprintf(stderr, "usage: replay flight.txt, a file that can be read, or replay -\n");
+    (void)fprintf(stderr, "usage: replay flight.txt, or replay -\n");
   } else {
     status = replay(file, flown);
     (void)fclose(file);

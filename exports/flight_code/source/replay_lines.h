@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads a recording line by line and number by number, and compares. Part of replay.c alone. */
+/* Reads a recording line by line and number by number, and compares. Only for replay.c. */
 #ifndef QT_REPLAY_LINES_H
 #define QT_REPLAY_LINES_H
 
@@ -18,7 +18,7 @@
 #endif
 #define QT_LONGEST_LINE 8192
 
-static char *rest;  /* where the next number of the line stands */
+static char *rest;  /* the next number of the line */
 static bool broken; /* whether a number was missing */
 static long number_of_line;
 
@@ -38,10 +38,10 @@ static void numbers(qt_real *x, int count) {
   }
 }
 
-/* Whether two numbers have the same bits; the sign of zero does not count, nor which NaN it is. */
+/* Whether two numbers have the same bits, up to the sign of zero and the payload of NaN. */
 static bool same(qt_real a, qt_real b) { return ((a <= b) && (a >= b)) || (isnan(a) && isnan(b)); }
 
-/* The next line that holds numbers; false at the end of the file. */
+/* Reads the next line with numbers; false at the end of the file. */
 static bool next_line(FILE *file) {
   static char line[QT_LONGEST_LINE];
   bool came;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the flight program keeps from one control period to the next. It is here so that a structure
- * qt_state_t can be declared anywhere; no other program needs to look into it.
+ * The state that the flight program keeps between control periods. It is here so that a structure
+ * qt_state_t can be declared anywhere; no other program needs its members.
  */
 #ifndef QT_STATE_H
 #define QT_STATE_H
@@ -26,16 +26,16 @@ typedef struct {
   qt_real force[3]; /* [m/s^2] */
 } qt_reading_t;
 
-/* The samples of a sensor in the last control periods, `newest` first in a ring. */
+/* The samples of a sensor in the last control periods, in a ring that starts at `newest`. */
 typedef struct {
   qt_real values[QT_QUEUE][3];
-  qt_real age[QT_QUEUE]; /* when it came [s] */
+  qt_real age[QT_QUEUE]; /* at its arrival [s] */
   bool came[QT_QUEUE];
   int newest;
 } qt_queue_t;
 
 typedef struct {
-  qt_real time;  /* since the measurement was believed last [s] */
+  qt_real time;  /* since the measurement was last accepted [s] */
   qt_real count; /* rejections in a row */
 } qt_rejections_t;
 
@@ -67,7 +67,7 @@ typedef struct {
 typedef struct {
   qt_real rates[2]; /* about body x and y [rad/s] */
   qt_real flow[2];  /* [rad/s] */
-  qt_real age;      /* of the image when the flow came [s] */
+  qt_real age;      /* of the image when the flow arrived [s] */
   bool came;
 } qt_flow_moment_t;
 
@@ -86,10 +86,10 @@ typedef struct {
   qt_real flow_position[2]; /* sum of the flow's velocity [m] */
   qt_real position_variance;
   qt_real echo_height;     /* of the last echo in range [m] */
-  qt_real unbelieved_time; /* since an echo was believed [s] */
+  qt_real unbelieved_time; /* since an echo was accepted [s] */
   qt_real flow[2];         /* newest, the turning taken out [rad/s] */
   qt_real flow_age;        /* [s] */
-  bool flow_seen;          /* whether any came yet */
+  bool flow_seen;          /* whether any has arrived */
 #if QT_WITH_ALIGNED_FLOW
   qt_flow_moment_t moments[QT_MOMENTS]; /* newest first */
 #endif
@@ -104,7 +104,7 @@ typedef struct {
 #if QT_WITH_UQUAD
 #define QT_STATES 15 /* of the filter */
 
-/* A sum over control periods, and over how many. */
+/* A sum over control periods, and their number. */
 typedef struct {
   qt_real sum[3];
   qt_real count;
@@ -123,7 +123,7 @@ typedef struct {
   qt_real tilt_roll;                /* newest of the accelerometer [rad] */
   qt_real tilt_pitch;
   qt_real force_excess; /* newest ||f|/g - 1| */
-  qt_real gps_age;      /* since GPS or an image was believed [s] */
+  qt_real gps_age;      /* since GPS or an image was accepted [s] */
   int32_t periods;      /* of calibration */
   qt_mean_t gyro;
   qt_mean_t force;
@@ -147,7 +147,7 @@ typedef struct {
   qt_loop_state_t pitch;
   qt_loop_state_t yaw;
   qt_loop_state_t altitude;
-  qt_real wrench_excess[4];   /* asked for less made in the last period [N, N m] */
+  qt_real wrench_excess[4];   /* requested minus produced in the last period [N, N m] */
   qt_real attitude_excess[2]; /* likewise of pitch and roll references [rad] */
 } qt_law_state_t;
 
@@ -164,7 +164,7 @@ typedef struct {
 #if QT_WITH_INTEGRALS
   qt_real integral[QT_INTEGRALS]; /* of the errors, in world axes [unit of the state, times s] */
 #endif
-  qt_real excess[QT_INPUTS];      /* asked for less made in the last period */
+  qt_real excess[QT_INPUTS];      /* requested minus produced in the last period */
 #if QT_WITH_MEMORY
   qt_real actuators[QT_INPUTS];   /* state of the actuators, less u0 */
 #endif

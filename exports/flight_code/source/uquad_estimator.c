@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The uquad's filter, one call a control period: an extended Kalman filter whose model is the
+ * The uquad's filter, called once per control period: an extended Kalman filter whose model is the
  * vehicle itself.
  *
  * States x (15): position (world), roll, pitch, yaw, velocity (body), rates (body), and the biases
@@ -11,12 +11,12 @@
  * - Correction by one scalar after the other, y = C x + v with v of variance R: K = P C'/S with
  *   S = C P C' + R, x = x + K (y - C x), P = (I - K C) P (I - K C)' + K R K'.
  *
- * Measured are roll, pitch and yaw as accelerometer and magnetometer show them, the specific force,
- * the rates, the height by the barometer, and, where there are any, GPS and positions from images.
+ * Measurements: roll, pitch and yaw from accelerometer and magnetometer, the specific force, the
+ * rates, the height from the barometer, and, if available, GPS and positions from images.
  */
 #include "internal.h"
 
-/* Where the parts of x begin; the position is first. */
+/* First indices of the parts of x; the position is first. */
 #define AT_HEIGHT 2 /* of the position */
 #define AT_ATTITUDE 3
 #define AT_VELOCITY 6
@@ -25,14 +25,14 @@
 #define MAX_VISION_AGE 1.0f /* an older image is not used [s] */
 #define MOST_ENTRIES 6 /* of a row C that are not 0 */
 
-/* What the rotors do to the body, in body axes. */
+/* Force and torque of the rotors on the body, in body axes. */
 typedef struct {
   qt_real force[3];         /* [N] */
   qt_real torque[3];        /* about the centre of mass [N m] */
   qt_real angular_momentum; /* of the turning parts, about body z [kg m^2/s] */
 } loads_t;
 
-/* The blocks of df/dx that are not 0, named by rows and columns. */
+/* The nonzero blocks of df/dx, named by rows and columns. */
 typedef struct {
   qt_real position_attitude[9];
   qt_real position_velocity[9]; /* R, from body axes to world axes */
@@ -44,14 +44,14 @@ typedef struct {
   qt_real rates_rates[9];
 } jacobian_t;
 
-/* A row C: its entries that are not 0. */
+/* A row C: its nonzero entries. */
 typedef struct {
   int count;
   int column[MOST_ENTRIES];
   qt_real value[MOST_ENTRIES];
 } row_t;
 
-/* What the sensors of a period say, as the filter takes it, and what is new of it. */
+/* The sensor samples of a period as used by the filter, and which of them are fresh. */
 typedef struct {
   qt_real yaw;        /* in any turn [rad] */
   qt_real rates[3];   /* [rad/s] */
@@ -118,7 +118,7 @@ static void product3(const qt_real A[9], const qt_real B[9], qt_real C[9]) {
   }
 }
 
-/* f(x), the derivative of the 12 states by time. */
+/* f(x), the time derivative of the 12 states. */
 static void motion(const qt_estimator_parameters_t *p, const qt_real x[QT_STATES],
                    const loads_t *loads, qt_real f[AT_BIAS]) {
   const qt_real *v = &x[AT_VELOCITY];
@@ -170,7 +170,7 @@ static void motion(const qt_estimator_parameters_t *p, const qt_real x[QT_STATES
   }
 }
 
-/* Of R v, the velocity in the world, by the angles. */
+/* The derivative of R v, the velocity in the world, by the angles. */
 static void turned_velocity(const qt_real x[QT_STATES], const qt_real R[9], const qt_real Rv[3],
                             qt_real by_angles[9]) {
   const qt_real *v = &x[AT_VELOCITY];
@@ -265,7 +265,7 @@ static void jacobian(const qt_estimator_parameters_t *p, const qt_real x[QT_STAT
 
 /* ---- prediction ---- */
 
-/* The two off the diagonal become their mean, as rounding makes them differ. */
+/* Replaces the off-diagonal entries by their mean, because rounding makes them differ. */
 static void symmetrize(qt_real P[QT_STATES * QT_STATES]) {
   for (int i = 1; i < QT_STATES; ++i) {
     for (int j = 0; j < i; ++j) {
@@ -276,8 +276,8 @@ static void symmetrize(qt_real P[QT_STATES * QT_STATES]) {
   }
 }
 
-/* M = (I + h A) M. Entry (i, j) of M stands at i * below + j * beside, so that a second call with
- * the two exchanged gives M (I + h A)'. */
+/* M = (I + h A) M. Entry (i, j) of M is at i * below + j * beside, so that a second call with the
+ * two exchanged gives M (I + h A)'. */
 static void advance(const jacobian_t *A, qt_real h, qt_real M[QT_STATES * QT_STATES], int below,
                     int beside) {
   for (int j = 0; j < QT_STATES; ++j) {
@@ -315,7 +315,7 @@ static void advance(const jacobian_t *A, qt_real h, qt_real M[QT_STATES * QT_STA
   }
 }
 
-/* A state without error stays so. */
+/* A state without error keeps no error. */
 static void clear(qt_estimator_state_t *s, int i) {
   for (int j = 0; j < QT_STATES; ++j) {
     s->P[(QT_STATES * i) + j] = 0.0f;
@@ -323,7 +323,7 @@ static void clear(qt_estimator_state_t *s, int i) {
   }
 }
 
-/* What the filter does not estimate has neither error nor motion. */
+/* States that the filter does not estimate have neither error nor motion. */
 static void leave_out(const qt_estimator_parameters_t *p, qt_estimator_state_t *s) {
   if (!p->position) {
     for (int i = 0; i < 2; ++i) {
@@ -339,7 +339,7 @@ static void leave_out(const qt_estimator_parameters_t *p, qt_estimator_state_t *
   }
 }
 
-/* x = x + T f(x), P = F P F' + Q with F = I + T df/dx. Nothing moves of a vehicle that stands. */
+/* x = x + T f(x), P = F P F' + Q with F = I + T df/dx. A stationary vehicle does not move. */
 static void predict(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                     const loads_t *loads, bool standing) {
   const qt_real h = standing ? 0.0f : QT_DT;
@@ -364,7 +364,7 @@ static void predict(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
 /* ---- correction ---- */
 
 /* One scalar with the innovation e = y - C x; Joseph's form in two steps of rank one (Bierman 1977,
- * section V.5): M = P - K (P C')', P = M + (R K - M C') K'. Returns whether it is believed, and
+ * section V.5): M = P - K (P C')', P = M + (R K - M C') K'. Returns whether it is accepted, and
  * e^2/S. */
 static bool update(qt_estimator_state_t *s, const row_t *C, qt_real e, qt_real R, qt_real gate,
                    qt_real *square) {
@@ -409,7 +409,7 @@ static bool update(qt_estimator_state_t *s, const row_t *C, qt_real e, qt_real R
   return used;
 }
 
-/* A fresh measurement that the gate is for. */
+/* A fresh measurement with a gate. */
 static bool use(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, const row_t *C,
                 qt_real e, qt_real R, qt_estimate_t *estimate) {
   qt_real square;
@@ -431,7 +431,7 @@ static row_t of_state(int i) {
   return C;
 }
 
-/* Three states that follow each other are measured; returns whether one is believed. */
+/* Measurements of three consecutive states; returns whether one is accepted. */
 static bool use_states(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, int first,
                        const qt_real y[3], qt_real R, qt_estimate_t *estimate) {
   bool believed = false;
@@ -443,7 +443,7 @@ static bool use_states(const qt_estimator_parameters_t *p, qt_estimator_state_t 
   return believed;
 }
 
-/* Roll, pitch and yaw; the state's yaw runs on through turns. */
+/* Roll, pitch and yaw; the yaw of the state is unwrapped. */
 static void use_angles(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                        const measured_t *m, qt_estimate_t *estimate) {
   const row_t roll = of_state(AT_ATTITUDE);
@@ -478,7 +478,7 @@ static void use_force(const qt_estimator_parameters_t *p, qt_estimator_state_t *
   }
 }
 
-/* Velocity in the world, R v, by GPS; returns whether one of the three is believed. */
+/* Velocity in the world, R v, from GPS; returns whether one of the three is accepted. */
 static bool use_gps_velocity(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_real y[3], qt_estimate_t *estimate) {
   qt_real x0[QT_STATES]; /* where it is linearized, for all three */
@@ -514,7 +514,7 @@ static bool is_fresh(const qt_vector_sample_t *sample) {
   return sample->fresh && qt_all_finite(sample->value);
 }
 
-/* All that is new; returns whether GPS or a position from images is believed. */
+/* Processes all fresh samples; returns whether GPS or a position from images is accepted. */
 static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                     const loads_t *loads, const qt_sensors_t *sensors, const measured_t *m,
                     qt_estimate_t *estimate) {
@@ -545,8 +545,8 @@ static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
   return by_gps || by_vision || by_velocity;
 }
 
-/* Velocity 0: of a vehicle that stands; weakly of one that has seen neither GPS nor images for so
- * long that its covariance would grow without bound. */
+/* Velocity 0 as a measurement: for a stationary vehicle; and weakly for one without GPS and images
+ * for so long that its covariance would grow without bound. */
 static void use_rest(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, bool standing) {
   const bool lost = p->position && (s->gps_age > p->gps_timeout);
   const qt_real R = standing ? p->standing_variance : p->still_variance;
@@ -562,13 +562,13 @@ static void use_rest(const qt_estimator_parameters_t *p, qt_estimator_state_t *s
 
 /* ---- sensors ---- */
 
-/* Roll and pitch at which a body that does not accelerate feels this specific force. */
+/* Roll and pitch of a body that does not accelerate, from its specific force. */
 static void tilt_of_force(const qt_real force[3], qt_real *roll, qt_real *pitch) {
   *roll = qt_atan2(-force[1], -force[2]);
   *pitch = qt_atan2(force[0], qt_sqrt((force[1] * force[1]) + (force[2] * force[2])));
 }
 
-/* Yaw at which a body with this roll and pitch has this field of the earth. */
+/* Yaw of a body with this roll and pitch, from the magnetic field in body axes. */
 static qt_real yaw_of_field(const qt_estimator_parameters_t *p, const qt_real field[3],
                             qt_real roll, qt_real pitch) {
   qt_real sr;
@@ -586,7 +586,7 @@ static qt_real yaw_of_field(const qt_estimator_parameters_t *p, const qt_real fi
   return p->declination - qt_atan2(right, ahead);
 }
 
-/* Tilt by the accelerometer less its estimated bias. */
+/* Tilt from the accelerometer minus its estimated bias. */
 static void measure_tilt(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          const qt_vector_sample_t *sample, measured_t *m) {
   qt_real force[3];
@@ -595,7 +595,7 @@ static void measure_tilt(const qt_estimator_parameters_t *p, qt_estimator_state_
     force[i] = sample->value[i] - s->x[AT_BIAS + i];
   }
   norm = qt_sqrt(qt_square3(force));
-  /* A falling body feels nothing, and what is left then points anywhere. */
+  /* In free fall the specific force is near zero, and its direction is meaningless. */
   m->tilt_fresh = m->force_fresh && (norm > (0.1f * p->gravity));
   if (m->tilt_fresh) {
     tilt_of_force(force, &s->tilt_roll, &s->tilt_pitch);
@@ -605,7 +605,7 @@ static void measure_tilt(const qt_estimator_parameters_t *p, qt_estimator_state_
   }
 }
 
-/* Yaw by the field, turned level; and how much roll, pitch and yaw are doubted. */
+/* Yaw from the leveled field; and the variances of roll, pitch and yaw. */
 static void measure_yaw(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
                         const qt_real field[3], measured_t *m) {
   const qt_real roll = p->yaw_by_estimated_tilt ? s->x[AT_ATTITUDE] : s->tilt_roll;
@@ -669,7 +669,7 @@ static void mean_of(const qt_mean_t *of, qt_real mean[3]) {
   }
 }
 
-/* The means over the time in which the vehicle stood. */
+/* The means over the time in which the vehicle was stationary. */
 static void finish_calibration(const qt_estimator_parameters_t *p, qt_estimator_state_t *s) {
   qt_real force[3];
   qt_real field[3];
@@ -737,7 +737,7 @@ void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_st
   s->start_z = (p->calibration_periods > 0) ? start->position[2] : 0.0f;
   s->pressure_zero = p->reference_pressure;
   s->field_norm = p->field_norm;
-  /* A vehicle that stands is not predicted by them, and one that starts in the air hovers. */
+  /* A stationary vehicle is not predicted with them, and one that starts in the air hovers. */
   (void)memcpy(s->speeds, p->hover_speed, sizeof s->speeds);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A cascade of PID loops: its gains, and what is asked of them.
+/// The gains of a cascade of PID loops, and the requirements that they are designed for.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@ namespace quadtune {
 
 /// One loop: output = Kp · error + Ki · ∫error + Kd · measured rate.
 ///
-/// The derivative acts on the measured rate with its own sign, so a loop that damps has Kp and Kd
-/// of opposite sign.
+/// Kd multiplies the measured rate with a plus sign, so Kp and Kd of a damped loop have opposite
+/// signs.
 struct PidLoop {
   std::string name;    ///< "x", "y", "pitch", "roll", "yaw" or "altitude"
-  std::string output;  ///< what it commands, e.g. "tau_y"
-  std::string unit;    ///< of the output per unit of the error, e.g. "N m/rad"
+  std::string output;  ///< name of the commanded quantity, e.g. "tau_y"
+  std::string unit;    ///< of the output per unit of error, e.g. "N m/rad"
   double Kp = 0;       ///< [unit]
   double Ki = 0;       ///< [unit / s]
   double Kd = 0;       ///< [unit · s]
@@ -31,74 +31,76 @@ struct CascadeGains {
   double dt = 0;  ///< sample period [s]
 };
 
-/// Gains that fly on a vehicle today.
+/// Published gains with which a vehicle flies today.
 struct PublishedCascade {
   std::string source;  ///< where they were published
   CascadeGains gains;
 };
 
-/// The loops of a multirotor's cascade. x and y give the references of pitch and roll.
+/// The loops of a multirotor's cascade. The loops x and y command the references of pitch and roll.
 enum class CascadeAxis { x, y, pitch, roll, yaw, altitude };
 inline constexpr std::size_t kCascadeAxes = 6;
 
-/// In this order wherever something is listed by axis.
+/// The order of every list by axis.
 inline constexpr std::array<CascadeAxis, kCascadeAxes> kAllCascadeAxes = {
     CascadeAxis::x,    CascadeAxis::y,   CascadeAxis::pitch,
     CascadeAxis::roll, CascadeAxis::yaw, CascadeAxis::altitude};
 
-/// Where an axis stands in such a list.
+/// The index of an axis in such a list.
 [[nodiscard]] constexpr std::size_t index_of(CascadeAxis axis) {
   return static_cast<std::size_t>(axis);
 }
 
 /// "x", "y", "pitch", "roll", "yaw", "altitude": the names of the loops.
 [[nodiscard]] std::string to_string(CascadeAxis axis);
-/// All of them.
+/// The names of all axes, in the order of kAllCascadeAxes.
 [[nodiscard]] std::vector<std::string> cascade_axis_names();
-/// @throws InvalidInput  naming the word and the six that exist.
+/// @throws InvalidInput  with the unknown name and the six valid ones.
 [[nodiscard]] CascadeAxis cascade_axis(const std::string& name, const std::string& where);
 
-/// The loop of an axis with what it commands and in which unit, gains 0.
+/// The loop of an axis with its output and unit set and all gains 0.
 [[nodiscard]] PidLoop cascade_loop(CascadeAxis axis);
 
-/// What is asked of one loop. What is not said follows from published gains where there are any and
-/// no bandwidth is said either: their noise and the peak that a load leaves are not exceeded, nor
-/// is their Ms, which is to be 2 % nearer to 1.
+/// Requirements on one loop. If no bandwidth is given and published gains exist, they supply the
+/// limits: the noise and the peak deviation under a load must not exceed those of the published
+/// gains, and Ms - 1 must be 2 % smaller than theirs.
 struct CascadeRequirement {
-  /// Where the loop of the rate crosses 1 [rad/s], exactly. If it is not said: at most at a
-  /// twentieth of the sample rate and at a third of the bandwidth of the loop inside.
+  /// The frequency at which the rate loop crosses gain 1 [rad/s], met exactly. If it is not given,
+  /// the crossover is at most a twentieth of the sample rate and at most a third of the bandwidth
+  /// of the inner loop.
   std::optional<double> bandwidth;
   double Ms_max = 1.4;        ///< max |S| of the loop, > 1
   double tracking_max = 1.3;  ///< max |value / set point|, > 1
   bool integral = true;       ///< false: the loop has no Ki
 };
 
-/// What a loop's gains may be.
+/// Constraints on the gains of a loop.
 enum class CascadeStructure {
   pid,  ///< Kp, Ki and Kd are free
-  /// The value's error times a gain is the set point of a PI controller of the rate, as autopilots
-  /// have it. With Kp, Ki and |Kd| these are the same feedback where Kp² ≥ 4 |Kd| Ki, and only
-  /// there.
+  /// A proportional controller of the value commands the set point of a PI controller of the rate,
+  /// as in most autopilots. With Kp, Ki and |Kd| the two are the same feedback if and only if
+  /// Kp² ≥ 4 |Kd| Ki.
   p_pi,
 };
 /// "pid", "p-pi".
 [[nodiscard]] std::string to_string(CascadeStructure structure);
-/// @throws InvalidInput  naming the word and the two that exist.
+/// @throws InvalidInput  with the unknown name and the two valid ones.
 [[nodiscard]] CascadeStructure cascade_structure(const std::string& name, const std::string& where);
 
-/// The greatest Ki with which gains of the structure p_pi exist.
-[[nodiscard]] constexpr double greatest_p_pi_integral(double Kp, double Kd) {
+/// The maximum Ki for which gains of the structure p_pi exist.
+[[nodiscard]] constexpr double max_p_pi_integral(double Kp, double Kd) {
   return Kp * Kp / (4 * (Kd < 0 ? -Kd : Kd));
 }
 
-/// Longest delay of a sensor [samples]: each sample is a state of every loop that is tried.
-inline constexpr int kMostDelaySamples = 40;
+/// Maximum delay of a sensor [samples]: each sample adds a state to every loop that is evaluated.
+inline constexpr int kMaxDelaySamples = 40;
 
-/// What is asked of a cascade, and with which clock and sensors it shall fly.
+/// Requirements on a cascade, with the control period, motor lag and sensor delays it flies with.
 struct CascadeSpecification {
-  double dt = 0;                                              ///< sample period [s], > 0
-  PidMethod method = PidMethod::forward_euler;                ///< of the integrals
-  std::optional<double> lag;                                  ///< of the motors [s]; the vehicle's
+  double dt = 0;                                ///< sample period [s], > 0
+  PidMethod method = PidMethod::forward_euler;  ///< of the integrals
+  /// Motor lag [s]; empty: that of the vehicle.
+  std::optional<double> lag;
   std::array<double, kCascadeAxes> delay{};                   ///< of each loop's sensors [s]
   std::array<CascadeRequirement, kCascadeAxes> requirements;  ///< by axis
   CascadeStructure structure = CascadeStructure::pid;         ///< of every loop

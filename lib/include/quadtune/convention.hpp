@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a flight program calls its states and inputs, in which order, along which axes and with
-/// which sign law. Inside quadtune everything is `ned`; a convention is applied once, at the
-/// boundary.
+/// The names, order, axes and sign law that a flight code uses for its states and inputs. All of
+/// quadtune computes in the convention `ned`; another convention is applied once, on input or
+/// output.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,27 +12,27 @@
 
 namespace quadtune {
 
-/// What the control law commands.
+/// The quantity that the control law commands.
 enum class InputKind {
   rotor_speed,   ///< one speed per rotor [rad/s]
   rotor_thrust,  ///< one thrust per rotor [N]
   wrench,        ///< total thrust and three torques [N, N m]
-  command,       ///< one motor command per rotor, in the vehicle's own unit
+  command,       ///< one command per motor, in the vehicle's own unit
 };
 
-/// How the flight program applies the gain.
+/// The sign with which the flight code applies the gain.
 enum class SignLaw {
   set_point_minus_state,  ///< u = u0 + K (x_sp - x): K is the plain LQR gain of u = -K x
   state_minus_set_point,  ///< u = u0 + K (x - x_sp): K is the negated LQR gain
 };
 
-/// A flight program's state vector and input axes as a signed permutation of quadtune's own.
-/// Both the Euler sequence (yaw, pitch, roll) and the body origin are shared, so the map is exact
-/// for the nonlinear state as well, not only near hover.
+/// A flight code's state vector and input axes as a signed permutation of those of
+/// ned_convention(). The Euler sequence (yaw, pitch, roll) and the origin of the body axes are the
+/// same, so the map is exact for the nonlinear state, not only near hover.
 struct Convention {
   std::string name;                        ///< "ned", "uquad" or "mambo"
   std::string description;                 ///< axes in words, for manifests and reports
-  std::vector<Signal> states;              ///< 12, in the flight program's order
+  std::vector<Signal> states;              ///< 12, in the flight code's order
   Eigen::Matrix<double, 12, 12> from_ned;  ///< x = from_ned · x_ned, entries 0, ±1, orthogonal
   std::vector<Signal> wrench;              ///< 4 names of [thrust, torques]
   Eigen::Matrix4d wrench_from_ned;         ///< signed permutation of [T, τx, τy, τz]
@@ -47,7 +47,7 @@ struct Convention {
 /// The built-in conventions in the order of the documentation: ned, uquad, mambo.
 [[nodiscard]] const std::vector<Convention>& conventions();
 
-/// @throws InvalidInput  naming the word, the conventions that exist, and the nearest.
+/// @throws InvalidInput  with the unknown name, the known conventions and the nearest of them.
 [[nodiscard]] const Convention& convention(const std::string& name, const std::string& where);
 
 /// Names and units of the inputs of `kind` for a vehicle of `rotors` rotors, e.g. w1 w2 w3 w4.
@@ -55,7 +55,7 @@ struct Convention {
 [[nodiscard]] std::vector<Signal> input_signals(const Convention& convention, InputKind kind,
                                                 int rotors, const std::string& command_unit);
 
-/// u = M · u_ned for inputs of `kind`: identity but for the wrench.
+/// The matrix M in u = M · u_ned for inputs of `kind`: the identity except for the wrench.
 [[nodiscard]] Eigen::MatrixXd input_from_ned(const Convention& convention, InputKind kind,
                                              int rotors);
 

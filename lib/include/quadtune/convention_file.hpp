@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Conventions of the user's own: a TOML file says which state of a flight program is which of
+/// User-defined conventions: a TOML file maps the states of a flight code to those of
 /// ned_convention(). Format: docs/formats.md, "Convention files".
 #pragma once
 
@@ -12,26 +12,26 @@ namespace quadtune {
 
 /// @param origin  the file's name in messages
 /// @throws InvalidInput  "origin:line: …" unless the states and the wrench are signed permutations
-///                       of those of ned_convention(), each with a name of its own
+///                       of those of ned_convention() and all names are unique
 [[nodiscard]] Convention parse_convention(const std::string& text, const std::string& origin);
 
-/// The text of a file that parse_convention() reads as the same convention.
+/// The text of a convention file that parse_convention() reads back as the same convention.
 [[nodiscard]] std::string convention_text(const Convention& convention);
 
-/// Makes a convention known to convention() by its name, from any thread, until the program ends.
-/// Nothing happens if it is known already.
-/// @throws InvalidInput  if another convention has the name
+/// Registers a convention so that convention() finds it by name, until the program ends.
+/// Thread-safe. Has no effect if the same convention is already registered.
+/// @throws InvalidInput  if a different convention has the same name
 const Convention& add_convention(const Convention& convention, const std::string& where);
 
-/// The convention that a user names: by its name, or by a file whose name ends in ".toml", which is
-/// read and added.
-/// @param folder  that a relative file name is relative to; empty: the current one
+/// The convention of a user's word: a registered name, or the path of a convention file ending in
+/// ".toml", which is read and registered.
+/// @param folder  base of a relative path; empty: the current folder
 /// @throws InvalidInput  as convention(), parse_convention() and add_convention()
 /// @throws FileError     if the file cannot be read
 [[nodiscard]] const Convention& named_convention(const std::string& word, const std::string& where,
                                                  const std::filesystem::path& folder = {});
 
-/// Whether it is one of conventions(), which every program knows.
+/// Whether a convention is built in, that is one of conventions().
 [[nodiscard]] bool is_built_in(const Convention& convention);
 
 }  // namespace quadtune

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The longest delay of a sampled loop that the program accepts.
+/// The maximum delay of a sampled loop that quadtune accepts.
 #pragma once
 
 namespace quadtune {
 
-/// Of commands and sensors [control periods].
-inline constexpr int kMostDelayPeriods = 40;
+/// Maximum delay of commands and sensors [control periods].
+inline constexpr int kMaxDelayPeriods = 40;
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What `quadtune design FILE` is asked to do: the content of a design file, read and checked.
+/// The content of a design file, the input of `quadtune design FILE`, read and validated.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,21 +20,22 @@
 
 namespace quadtune {
 
-/// In which time the weights are meant.
+/// The time domain in which the weights of the cost are defined.
 enum class LqrMethod {
-  continuous,  ///< cost ∫ xᵀQx + uᵀRu dt of the continuous plant; the gain is used as it is
-  discrete,  ///< cost Σ xᵀQx + uᵀRu per step, on the zero-order-hold plant (integrals sampled too)
-  sampled,  ///< the continuous cost, exactly, for inputs that are held between samples
+  continuous,  ///< cost ∫ xᵀQx + uᵀRu dt of the continuous plant; the gain is used unchanged
+  /// Cost Σ xᵀQx + uᵀRu per step, on the zero-order-hold plant (integrals are sampled as well).
+  discrete,
+  sampled,  ///< the continuous cost, evaluated exactly for inputs held between samples
 };
 
 /// "continuous", "discrete" or "sampled", and back.
 [[nodiscard]] std::string to_string(LqrMethod method);
 [[nodiscard]] LqrMethod lqr_method(const std::string& name, const std::string& where);
 
-/// An LQR problem about the trim, in the words of a convention.
+/// An LQR problem about the trim, in the states and inputs of a convention.
 struct LqrDesign {
   std::string convention = "ned";                 ///< name of the convention
-  InputKind input_kind = InputKind::rotor_speed;  ///< what the law commands
+  InputKind input_kind = InputKind::rotor_speed;  ///< the quantity that the law commands
   std::vector<std::string> states;                ///< nx names of the convention
   std::vector<std::string> inputs;                ///< nu names
   Eigen::MatrixXd Q;                   ///< (nx × nx) symmetric, in the order of `states`
@@ -45,25 +46,27 @@ struct LqrDesign {
   double dt = 0;  ///< sample period of the law [s]; 0 only with LqrMethod::continuous
 };
 
-/// The words of a flight program that holds one matrix on the 12 states and one on integrals.
-struct MatrixWords {
+/// Convention and inputs of flight code that applies one matrix to the 12 states and one to the
+/// integrals.
+struct MatrixConvention {
   std::string convention = "ned";
   InputKind input_kind = InputKind::wrench;
 };
 
-/// State feedback for the plant that flies, in the 12 states and the wrench of ned_convention():
-/// LQI with the lag of the rotors and past commands. What is none is chosen by the design.
+/// State feedback for the flown loop, in the 12 states and the wrench of ned_convention(): LQI
+/// whose plant includes the motor lag and past commands. The design chooses every value that is
+/// empty.
 struct LqiDesign {
   double dt = 0.005;                                               ///< control period [s], > 0
   std::vector<std::string> integrals = {"px", "py", "pz", "yaw"};  ///< ni names of states
   std::optional<Eigen::VectorXd> Q;           ///< (12) weights of the states, ≥ 0
-  std::optional<Eigen::VectorXd> Q_integral;  ///< (ni) of their integrals, ≥ 0
-  std::optional<Eigen::VectorXd> R;           ///< (4) of the commands, > 0
-  std::optional<Eigen::VectorXd> R_change;    ///< (4) of the commands' changes, ≥ 0
-  std::optional<int> past;                    ///< control periods by which the law predicts
-  /// Instead of the LQI a matrix on the 12 states and the usual integrals, without any memory of
-  /// commands, in the words of a flight program. The weights stay those of ned_convention().
-  std::optional<MatrixWords> matrix = {};
+  std::optional<Eigen::VectorXd> Q_integral;  ///< (ni) weights of the integrals, ≥ 0
+  std::optional<Eigen::VectorXd> R;           ///< (4) weights of the commands, > 0
+  std::optional<Eigen::VectorXd> R_change;    ///< (4) weights of the changes of the commands, ≥ 0
+  std::optional<int> past;                    ///< prediction horizon [control periods]
+  /// If set, the design is a matrix on the 12 states and the usual integrals, without memory of
+  /// past commands, in this convention. The weights remain those of ned_convention().
+  std::optional<MatrixConvention> matrix = {};
 };
 
 /// A steady-state Kalman filter to design: x[k+1] = A x + B u + G w, y = C x + v.
@@ -73,30 +76,31 @@ struct KalmanDesign {
   Eigen::MatrixXd G;  ///< (nx × nw)
   Eigen::MatrixXd Q;  ///< (nw × nw) covariance of w per step
   Eigen::MatrixXd R;  ///< (ny × ny) covariance of v
-  Eigen::MatrixXd N;  ///< (nw × ny) covariance of w and v; zero where the file has none
-  std::string tuned;  ///< the tuned model that Q and R come from, as named; empty for none
-  std::string tuned_text;     ///< its file's bytes, for the manifest's hash
+  Eigen::MatrixXd N;  ///< (nw × ny) covariance of w and v; zero if the file has none
+  /// The tuned model that provides Q and R, as written in the file; empty: none.
+  std::string tuned;
+  std::string tuned_text;     ///< the bytes of that file, for the manifest's hash
   std::string tuned_verdict;  ///< FilterModel::verdict
 };
 
-/// The variances of the uquad's filter, as found in logs.
+/// The noise variances of the uquad's filter, tuned from logs.
 struct EstimatorDesign {
-  std::string tuned;       ///< the tuned model's file, as named
+  std::string tuned;       ///< file of the tuned model, as written in the design
   std::string tuned_text;  ///< its bytes, for the manifest's hash
   FilterModel model;       ///< a rigid_body_model() of the design's vehicle
 };
 
-/// A PID cascade: its gains as written, or what is asked of them.
+/// A PID cascade: either given gains or the requirements from which gains are designed.
 ///
-/// x and y give pitch and roll references [rad] from position errors [m]; pitch, roll and yaw give
-/// torques [N m] from angles [rad]; altitude gives the force along +z (down, so
-/// negative in flight) beside -m g [N] from the error in pz [m].
+/// The loops x and y command pitch and roll references [rad] from position errors [m]; pitch, roll
+/// and yaw command torques [N m] from angles [rad]; altitude commands, from the error in pz [m],
+/// the force along +z [N] that is added to -m g (+z points down, so the sum is negative in flight).
 struct CascadeDesign {
-  /// Loops x, y, pitch, roll, yaw, altitude, in this order; none while they wait to be designed.
+  /// Loops x, y, pitch, roll, yaw, altitude, in this order; empty until gains are designed.
   CascadeGains gains;
-  std::optional<CascadeSpecification>
-      specification;                            ///< of the gains, where the file asks for them
-  PidMethod method = PidMethod::forward_euler;  ///< of the integrals, also of what is asked for
+  /// Requirements; set if the file requests that gains be designed.
+  std::optional<CascadeSpecification> specification;
+  PidMethod method = PidMethod::forward_euler;  ///< of the integrals, given or designed
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]
   double back_calculation = 0;         ///< anti-windup gain of the integrators [1/s]
@@ -105,30 +109,31 @@ struct CascadeDesign {
   bool conditional_integration = false;  ///< CascadedPidSettings::conditional_integration
 };
 
-/// Files that the design writes.
+/// Files to export from the design.
 struct ExportRequest {
   std::string to;                   ///< the name of an ExportTarget
-  FlightCodeOptions flight_code{};  ///< of an export to "c"
-  FirmwareOptions firmware{};       ///< of an export to a firmware's parameters
+  FlightCodeOptions flight_code{};  ///< options of an export to "c"
+  FirmwareOptions firmware{};       ///< options of an export to firmware parameters
 };
 
-/// A mission that the gains must fly before they are exported.
+/// A mission that the design must fly successfully before its gains are exported.
 struct MissionRequest {
-  std::string mission;           ///< name of a built-in one, or a file beside the design's
-  std::string controller = {};   ///< "cascaded-pid" or "state-feedback"
-  std::string estimator = {};    ///< as `quadtune fly --estimator`; empty: by the sensors
-  std::string sensors = "real";  ///< or "ideal"
+  std::string mission;          ///< a built-in mission, or a file in the design's folder
+  std::string controller = {};  ///< "cascaded-pid" or "state-feedback"
+  /// As `quadtune fly --estimator`; empty: chosen by the vehicle's sensors.
+  std::string estimator = {};
+  std::string sensors = "real";  ///< "real" or "ideal"
   std::string flow = "full";     ///< as `quadtune fly --flow`
   std::string wind = "calm";     ///< as `quadtune fly --wind`
   std::string where = {};        ///< "file:line", for messages
 };
 
-/// Gains published elsewhere, to say how far the design is from them and why.
+/// Published gains with which the design is compared.
 struct PublishedGains {
   std::string source;     ///< where they were published
-  std::string note;       ///< what is known of how they came to be; may be empty
+  std::string note;       ///< what is known about their derivation; may be empty
   Eigen::MatrixXd K;      ///< (m × nx) the first m ≤ nu rows, in the order of LqrDesign::states
-  Eigen::MatrixXd K_int;  ///< (m × ni); empty where nothing is integrated
+  Eigen::MatrixXd K_int;  ///< (m × ni); empty if no state is integrated
 };
 
 /// A design file.
@@ -138,30 +143,31 @@ struct Design {
   Vehicle vehicle;
   FlightCondition condition;
   std::optional<LqrDesign> lqr;
-  std::optional<LqiDesign> lqi;  ///< not beside lqr
+  std::optional<LqiDesign> lqi;  ///< set instead of lqr for lqr.plant = "flown"
   std::vector<KalmanDesign> kalman;
   std::optional<EstimatorDesign> estimator;
   std::optional<CascadeDesign> cascade;
   std::vector<MissionRequest> missions;
   std::vector<ExportRequest> exports;
   std::optional<PublishedGains> published;
-  std::filesystem::path file;  ///< it was read from; empty when parsed from text
-  std::string text;            ///< the file's bytes, for the manifest's hash
+  std::filesystem::path file;  ///< the file that was read; empty if parsed from text
+  std::string text;            ///< the bytes of that file, for the manifest's hash
 };
 
-/// Whether a design has a state feedback.
+/// Whether a design includes state feedback.
 [[nodiscard]] inline bool has_feedback(const Design& design) {
   return design.lqr.has_value() || design.lqi.has_value();
 }
 
-/// Reads a design file (docs/formats.md). A vehicle file that it names is found beside it.
-/// @throws InvalidInput  "file:line: …" for whatever is wrong in it or in its vehicle.
+/// Reads a design file (docs/formats.md). A relative vehicle path is resolved in the design's
+/// folder.
+/// @throws InvalidInput  "file:line: …" for an error in the design or in its vehicle.
 /// @throws FileError     if a file cannot be read.
 [[nodiscard]] Design load_design(const std::filesystem::path& path);
 
 /// Parses a design from the text of a file.
-/// @param origin  what messages call the file.
-/// @param folder  where a vehicle file that the design names lies.
+/// @param origin  the file's name in messages.
+/// @param folder  base of a relative vehicle path.
 [[nodiscard]] Design parse_design(const std::string& text, const std::string& origin,
                                   const std::filesystem::path& folder = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is thrown when a caller or a file is at fault. A numerical outcome is never thrown by a
-/// solver: it is a status in its result. What goes several steps at once throws NoSolution.
+/// Exceptions for errors of callers and of files. Solvers do not throw on a numerical failure: they
+/// return a status in their result. Functions that combine several steps throw NoSolution.
 #pragma once
 
 #include <stdexcept>
@@ -9,21 +9,21 @@
 
 namespace quadtune {
 
-/// A caller's mistake: a bad argument or a bad line of a file. what() reads
-/// "<where>: <what came>, expected <what>, because <why>" on one line.
+/// Invalid input of a caller: a bad argument or a bad line of a file. what() is one line,
+/// "<where>: <what is wrong>, expected <what>, because <why>".
 class InvalidInput : public std::invalid_argument {
  public:
   /// @param where    "file:line", an option, or the function and argument; may be empty.
-  /// @param message  What came, what was expected and why, without a final full stop.
+  /// @param message  What is wrong, what was expected and why, without a final full stop.
   InvalidInput(const std::string& where, const std::string& message);
 
-  /// @return  the place alone, as it stands at the start of what().
+  /// @return  the place alone, as it appears at the start of what().
   [[nodiscard]] const std::string& where() const { return where_; }
-  /// @return  what() without the place: for a caller who knows a better one.
+  /// @return  what() without the place, for callers that add a more specific place.
   [[nodiscard]] const std::string& message() const { return message_; }
 
  protected:
-  /// For a message that names its place in its own words.
+  /// Selects the constructor for a message that already contains its place.
   struct Whole {};
   InvalidInput(Whole, std::string where, const std::string& message)
       : std::invalid_argument(message), where_(std::move(where)), message_(message) {}
@@ -32,13 +32,13 @@ class InvalidInput : public std::invalid_argument {
   std::string where_, message_;
 };
 
-/// An option's word or number that cannot be taken, wherever it was written. what() begins with the
-/// option's key, so that who knows the place puts it before: "quadtune fly: --" of a command line,
-/// "file:line: " of a file.
+/// A rejected word or number of an option, on a command line or in a file. what() begins with the
+/// option's key, so that the caller can put the place in front: "quadtune fly: --" for a command
+/// line, "file:line: " for a file.
 class OptionError : public InvalidInput {
  public:
-  /// @param option   its key, e.g. "estimator"; with a word after it where that alone is refused,
-  ///                 e.g. "flow simplified"
+  /// @param option   its key, e.g. "estimator"; followed by the rejected word if only that word is
+  ///                 rejected, e.g. "flow simplified"
   /// @param message  e.g. "sensors is 'x', expected ideal or real"
   OptionError(std::string option, const std::string& message)
       : InvalidInput(Whole{}, std::move(option), message) {}
@@ -46,10 +46,10 @@ class OptionError : public InvalidInput {
   [[nodiscard]] const std::string& option() const { return where(); }
 };
 
-/// No solution exists or none was found; the message names the culprit.
+/// No solution exists or none was found; the message names the cause.
 class NoSolution : public std::runtime_error {
  public:
-  /// @param where  the option, file or vehicle that asked for it, for scripts.
+  /// @param where  the option, file or vehicle that requested it, for scripts.
   NoSolution(const std::string& message, std::string where)
       : std::runtime_error(message), where_(std::move(where)) {}
 
@@ -59,7 +59,7 @@ class NoSolution : public std::runtime_error {
   std::string where_;
 };
 
-/// A file that could not be read or written, with the system's reason.
+/// A file that could not be read or written, with the operating system's reason.
 class FileError : public std::runtime_error {
  public:
   FileError(const std::string& path, const std::string& message)
@@ -73,7 +73,7 @@ class FileError : public std::runtime_error {
   std::string path_, message_;
 };
 
-/// The user asked to stop (SIGINT or SIGTERM) while something was being written.
+/// The user interrupted the program (SIGINT or SIGTERM) while it was writing output.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a design file may be exported to. exports/ has the exporters themselves.
+/// The targets to which a design file can be exported. The exporters themselves are in exports/.
 #pragma once
 
 #include <string>
@@ -7,27 +7,29 @@
 
 namespace quadtune {
 
-/// A flight program, or a format, for which files are written.
+/// A flight code or a file format for which files are exported.
 struct ExportTarget {
   std::string name;
-  /// Whether its files hold a law's past commands and lags; others take a matrix alone.
+  /// Whether its files can hold past commands and motor lags; other targets hold a matrix only.
   bool takes_memory = false;
-  bool needs_gains = false;  ///< whether there is nothing to write without a state feedback
-  /// Whether its files are a firmware's parameters, which hold a PID cascade and nothing else.
+  bool needs_gains = false;  ///< whether an export requires state-feedback gains
+  /// Whether its files are firmware parameters, which hold only a PID cascade.
   bool is_firmware = false;
-  /// The estimator of its flight program, with which a design that is exported to it is flown if
-  /// the vehicle's sensors feed it: a name of EstimatorKind; empty: by the sensors.
+  /// The estimator of the target's flight code, a name of EstimatorKind. Designs that are exported
+  /// to the target are flown with it if the vehicle has the sensors that it needs. Empty: chosen by
+  /// the sensors.
   std::string estimator = {};
 };
 
 /// The targets in the order of the documentation: uquad, mambo, json, mat, c, px4, ardupilot,
-/// betaflight, crazyflie, then those that were added.
+/// betaflight, crazyflie, followed by those that were added.
 [[nodiscard]] const std::vector<ExportTarget>& export_targets();
 
-/// Adds a target, or replaces the one of its name. Not while other threads read designs.
+/// Adds a target or replaces the target of the same name. Not safe while other threads read
+/// designs.
 void add_export_target(ExportTarget target);
 
-/// @throws InvalidInput  naming the word, the targets that exist, and the nearest.
+/// @throws InvalidInput  with the unknown name, the known targets and the nearest of them.
 [[nodiscard]] const ExportTarget& export_target(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A steady-state Kalman filter with the model and noise that it was designed for.
+/// A steady-state Kalman filter together with the model and noise that it was designed for.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +22,7 @@ struct KalmanFilter {
   Eigen::MatrixXd L;  ///< (nx × ny) predictor gain: x[k+1|k] = A x[k|k-1] + L (y - C x[k|k-1])
   Eigen::MatrixXd P;  ///< (nx × nx) covariance before the measurement
   Eigen::MatrixXd Z;  ///< (nx × nx) covariance after the measurement
-  std::string noise_source =
-      {};  ///< where Q and R come from, e.g. a file; empty: they were written
+  std::string noise_source = {};  ///< source of Q and R, e.g. a file; empty: given directly
 };
 
 }  // namespace quadtune

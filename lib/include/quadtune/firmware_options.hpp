@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a design, or its user, chooses of a firmware's parameters.
+/// Options of an export of firmware parameters, set by a design file or on the command line.
 #pragma once
 
 #include <string>
 
 namespace quadtune {
 
-/// For which state of a firmware a parameter file is. quadtune/exports/firmware.hpp lists what
-/// exists.
+/// The firmware state for which a parameter file is written. quadtune/exports/firmware.hpp lists
+/// the supported ones.
 struct FirmwareOptions {
-  /// E.g. "1.15": names, meanings and scales change with it. Empty: the newest that is known.
+  /// E.g. "1.15": parameter names, meanings and scales depend on it. Empty: the newest supported
+  /// one.
   std::string version = {};
-  /// Of a Crazyflie, whose firmware scales thrust by its propellers: "standard", "legacy",
+  /// For a Crazyflie, whose firmware scales thrust by its propellers: "standard", "legacy",
   /// "thrust-kit" or "brushless". Empty: "standard".
   std::string setup = {};
-  /// Whether the noise of the firmware's own estimator is written as well, from that of the
-  /// design's general filter.
+  /// Whether to write noise parameters for the firmware's own estimator as well, from the noise of
+  /// the design's general filter.
   bool filter_noise = false;
 
   friend bool operator==(const FirmwareOptions&, const FirmwareOptions&) = default;

@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a design, or its user, chooses of exported flight code.
+/// Options of exported C flight code, set by a design file or on the command line.
 #pragma once
 
 #include <string>
 
 namespace quadtune {
 
-/// What is free in the exported program.
+/// Options of the exported program.
 struct FlightCodeOptions {
   /// Prefix of its files, types and functions: a C identifier of at most 24 characters that begins
-  /// with a lower-case letter; empty: that of the vehicle's name.
+  /// with a lower-case letter. Empty: derived from the vehicle's name.
   std::string name = {};
-  bool double_precision = false;  ///< numbers are `double`; usually `float`
-  /// "cascaded-pid" or "state-feedback"; empty: the one that the design has.
+  bool double_precision = false;  ///< true: numbers are `double`; false: `float`
+  /// "cascaded-pid" or "state-feedback"; empty: the law of the design.
   std::string law = {};
-  /// "main", "mambo", "crazyflie" or "px4": files that join the program to that board; empty: none.
+  /// "main", "mambo", "crazyflie" or "px4": adds the files that connect the program to that board.
+  /// Empty: none.
   std::string adapter = {};
 
   friend bool operator==(const FlightCodeOptions&, const FlightCodeOptions&) = default;
 };
 
-/// Whether a precision's name is "double" rather than "float".
-/// @throws InvalidInput  naming the word and the two that exist
+/// Whether a precision is "double" and not "float".
+/// @throws InvalidInput  with the unknown name and the two valid ones
 [[nodiscard]] bool is_double_precision(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

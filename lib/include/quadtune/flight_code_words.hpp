@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Checks the words that FlightCodeOptions holds, where a design file or an option gives them.
+/// Validates the strings of FlightCodeOptions that a design file or an option sets.
 #pragma once
 
 #include <string>
@@ -7,22 +7,22 @@
 
 namespace quadtune {
 
-/// The maximum number of characters of a flight program's prefix.
-inline constexpr std::size_t kLongestFlightCodeName = 24;
+/// Maximum number of characters of the prefix of exported flight code.
+inline constexpr std::size_t kMaxFlightCodeName = 24;
 
-/// @throws InvalidInput  for a name that cannot be the prefix of the files, types and functions of
-/// a
-///                       C program: expected are lower-case letters, digits and _, a letter first,
-///                       and no word of C or header of its library. `where` is where it was given.
+/// @throws InvalidInput  if the name cannot prefix the files, types and functions of a C program.
+///                       It must consist of lower-case letters, digits and _, start with a letter,
+///                       and be neither a C keyword nor the name of a C library header. `where` is
+///                       the place of the name.
 void require_flight_code_name(const std::string& name, const std::string& where);
 
-/// @throws InvalidInput  for other words than "cascaded-pid" and "state-feedback"
+/// @throws InvalidInput  unless the law is "cascaded-pid" or "state-feedback"
 void require_flight_code_law(const std::string& law, const std::string& where);
 
 /// "main", "mambo", "crazyflie", "px4".
 [[nodiscard]] const std::vector<std::string>& flight_code_adapters();
 
-/// @throws InvalidInput  for another word, naming those that exist and the nearest
+/// @throws InvalidInput  for an unknown adapter, with the known ones and the nearest of them
 void require_flight_code_adapter(const std::string& adapter, const std::string& where);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Responses of linear models to sines.
+/// Frequency responses of linear models.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace quadtune {
 
-/// C (λI - A)⁻¹ B + D at many points λ: A is balanced and reduced to Hessenberg form once, O(n³);
-/// a point costs O(n²) for each input. Reference: Laub 1981.
+/// Evaluates C (λI - A)⁻¹ B + D at many points λ. A is balanced and reduced to Hessenberg form
+/// once, O(n³); each point then costs O(n²) per input. Reference: Laub 1981.
 class FrequencyResponse {
  public:
   /// @throws InvalidInput  as validate()
@@ -21,12 +21,12 @@ class FrequencyResponse {
   FrequencyResponse(FrequencyResponse&&) noexcept;
   FrequencyResponse& operator=(FrequencyResponse&&) noexcept;
 
-  /// G(jω), or G(e^(jω dt)).
+  /// G(jω) of a continuous plant, G(e^(jω dt)) of a sampled one.
   /// @param w  [rad/s]
   /// @return   (ny × nu); not finite at a pole
   [[nodiscard]] Eigen::MatrixXcd at(double w) const;
 
-  /// C (λI - A)⁻¹ B + D anywhere in the plane.
+  /// C (λI - A)⁻¹ B + D at any point of the complex plane.
   [[nodiscard]] Eigen::MatrixXcd at_point(std::complex<double> lambda) const;
 
  private:

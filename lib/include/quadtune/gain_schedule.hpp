@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State-feedback gains over a grid of flights, interpolated between its points.
+/// State-feedback gains over a grid of flight conditions, with interpolation between the grid
+/// points.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,92 +14,98 @@
 
 namespace quadtune {
 
-/// What a gain may be scheduled by.
+/// The quantities by which gains can be scheduled.
 enum class ScheduleQuantity {
-  speed,     ///< over the ground along the heading [m/s], ≥ 0
-  climb,     ///< upward [m/s]
-  yaw_rate,  ///< of the heading [rad/s], > 0 clockwise seen from above: a circle, or a spin at rest
-  mass,      ///< over the vehicle's, > 0; the inertia and the centre of mass stay
-  density,   ///< of the air over the vehicle's, > 0
+  speed,  ///< ground speed along the heading [m/s], ≥ 0
+  climb,  ///< upward [m/s]
+  /// Rate of the heading [rad/s], > 0 clockwise seen from above: a circle, or a spin if the speed
+  /// is 0.
+  yaw_rate,
+  /// Ratio to the vehicle's mass, > 0; inertia and centre of mass do not change.
+  mass,
+  density,  ///< ratio to the vehicle's air density, > 0
 };
 
 /// "speed", "climb", "yaw_rate", "mass" or "density".
 [[nodiscard]] std::string to_string(ScheduleQuantity quantity);
-/// @throws InvalidInput  naming the word, the quantities that exist, and the nearest.
+/// @throws InvalidInput  with the unknown name, the known quantities and the nearest of them.
 [[nodiscard]] ScheduleQuantity schedule_quantity(const std::string& name, const std::string& where);
 /// "m/s", "rad/s", or "" for a ratio.
 [[nodiscard]] std::string unit(ScheduleQuantity quantity);
 
-/// One direction of the grid.
+/// One axis of the grid.
 struct ScheduleAxis {
   ScheduleQuantity quantity = ScheduleQuantity::speed;
-  std::vector<double> values;  ///< ≥ 1 of them, ascending, within the quantity's range
+  std::vector<double> values;  ///< at least one, ascending, within the quantity's range
 
   friend bool operator==(const ScheduleAxis&, const ScheduleAxis&) = default;
 };
 
-/// Largest number of points of a grid: a larger one is a mistyped step.
-inline constexpr Eigen::Index kMostSchedulePoints = 100'000;
+/// Maximum number of grid points: a larger grid is most likely a mistyped step.
+inline constexpr Eigen::Index kMaxSchedulePoints = 100'000;
 
 /// Number of points of the grid.
-/// @throws InvalidInput  naming the axis: none, a quantity twice, values that are none, not
-///                       ascending or out of the quantity's range, more than kMostSchedulePoints.
+/// @throws InvalidInput  with the name of the axis, if there are no axes, a quantity is repeated,
+///                       values are missing, not finite, not ascending or out of the quantity's
+///                       range, or the grid exceeds kMaxSchedulePoints.
 Eigen::Index checked_grid_size(const std::vector<ScheduleAxis>& axes, const std::string& where);
 
-/// The values (one for each axis) of point `index` of the grid, whose last axis runs fastest.
+/// The values of grid point `index`, one per axis. The last axis varies fastest.
 [[nodiscard]] Eigen::VectorXd grid_point(const std::vector<ScheduleAxis>& axes, Eigen::Index index);
 
-/// "speed 2.5, yaw_rate -1" of such values.
+/// Text of such values, e.g. "speed 2.5, yaw_rate -1".
 [[nodiscard]] std::string grid_words(const std::vector<ScheduleAxis>& axes,
                                      const Eigen::VectorXd& values);
 
-/// How one point of the grid came out.
+/// The outcome of the design at one grid point.
 enum class PointStatus {
   solved,
-  no_trim,  ///< the vehicle cannot fly there
-  no_gain,  ///< it can, but the Riccati equation has no stabilizing solution
+  no_trim,  ///< the vehicle cannot fly this condition
+  /// The trim exists, but the Riccati equation has no stabilizing solution.
+  no_gain,
 };
 
 /// "solved", "no trim" or "no gain", and back.
 [[nodiscard]] std::string to_string(PointStatus status);
 [[nodiscard]] PointStatus point_status(const std::string& name, const std::string& where);
 
-/// What a look into the schedule gives.
+/// The outcome of a lookup in the schedule.
 enum class LookupStatus {
   found,
-  outside,     ///< beyond the grid: gains are not extrapolated
-  infeasible,  ///< a point of the grid that is needed has no gain
+  outside,     ///< outside the grid: gains are not extrapolated
+  infeasible,  ///< a grid point that the interpolation needs has no gain
 };
 
-/// Gains between the points of a schedule, or why there are none.
+/// Gains interpolated between grid points, or the reason why there are none.
 struct ScheduledGain {
   LookupStatus status = LookupStatus::outside;
-  Eigen::MatrixXd K;      ///< (nu × nx); empty unless found, as all here
+  Eigen::MatrixXd K;      ///< (nu × nx); empty unless found, like all matrices here
   Eigen::MatrixXd K_int;  ///< (nu × ni)
   Eigen::VectorXd x0;     ///< (nx) trim of the states
   Eigen::VectorXd u0;     ///< (nu) trim of the inputs
-  std::string culprit;    ///< the axis and its range, or the point and its reason; empty when found
+  /// The axis and its range, or the grid point and its reason; empty if found.
+  std::string culprit;
 
   [[nodiscard]] bool found() const { return status == LookupStatus::found; }
 };
 
-/// Gains with their trims over a grid; each is applied as Gains are.
+/// Gains and trims over a grid. The gains of each point are applied as described at Gains.
 struct GainSchedule {
-  std::vector<ScheduleAxis> axes;  ///< ≥ 1; the last runs fastest
+  std::vector<ScheduleAxis> axes;  ///< at least one; the last varies fastest
   std::vector<Signal> states;      ///< nx
   std::vector<Signal> inputs;      ///< nu
   std::vector<Signal> integrals;   ///< ni, as in Gains
-  std::string vehicle;             ///< name
-  std::string convention;          ///< name
+  std::string vehicle;             ///< name of the vehicle
+  std::string convention;          ///< name of the convention
   InputKind input_kind = InputKind::rotor_speed;
   SignLaw sign_law = SignLaw::set_point_minus_state;
   double dt = 0;   ///< sample period of the law [s]; 0 means continuous
   double yaw = 0;  ///< heading at the linearized instant [rad]
 
-  // One entry or column for each point; a column holds its matrix column by column. NaN unless
-  // solved.
+  // One entry or one column per grid point; a column stores its matrix in column-major order. NaN
+  // unless solved.
   std::vector<PointStatus> status;
-  std::vector<std::string> culprit;  ///< empty where solved
+  std::vector<std::string> culprit;  ///< empty if solved
   Eigen::MatrixXd K;                 ///< (nu·nx × points)
   Eigen::MatrixXd K_int;             ///< (nu·ni × points)
   Eigen::MatrixXd x0;                ///< (nx × points)
@@ -111,18 +118,18 @@ struct GainSchedule {
     return status[static_cast<std::size_t>(point)] == PointStatus::solved;
   }
 
-  /// The gains of one point; NaN unless solved.
+  /// The gains of one grid point; NaN unless solved.
   [[nodiscard]] Gains gains(Eigen::Index point) const;
 
-  /// Multilinear interpolation. Exact at the points of the grid; a point of no weight is not
-  /// needed. Axes of one value hold for that value only, to rounding.
-  /// @param values  one for each axis, in their order
-  /// @throws InvalidInput  for another number of values
+  /// Multilinear interpolation, exact at the grid points. Points with zero weight need not be
+  /// solved. An axis with a single value matches only that value, up to rounding.
+  /// @param values  one per axis, in their order
+  /// @throws InvalidInput  if the number of values is not the number of axes
   [[nodiscard]] ScheduledGain at(const Eigen::Ref<const Eigen::VectorXd>& values) const;
 };
 
-/// A schedule of this grid and of these signals with room for all points, all NaN and without
-/// status: what a solver or a reader fills.
+/// A schedule with this grid and these signals, whose matrices have room for all points and are
+/// NaN, to be filled by a solver or a reader. The statuses are not set.
 /// @throws InvalidInput  as checked_grid_size().
 [[nodiscard]] GainSchedule empty_schedule(std::vector<ScheduleAxis> axes,
                                           std::vector<Signal> states, std::vector<Signal> inputs,

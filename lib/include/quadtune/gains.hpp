@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A state-feedback gain with everything that is needed to apply it rightly.
+/// A state-feedback gain with all data that is needed to apply it correctly.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,37 +13,39 @@
 
 namespace quadtune {
 
-/// Longest lag of an actuator [s], and most past commands that a law feeds back.
-inline constexpr double kMostActuatorLag = 1;
-inline constexpr int kMostPastCommands = 40;
+/// Maximum lag of an actuator [s], and maximum number of past commands that a law feeds back.
+inline constexpr double kMaxActuatorLag = 1;
+inline constexpr int kMaxPastCommands = 40;
 
-/// The part of a law that feeds back its own past commands, for actuators that follow them late.
+/// Feedback of a law's own past commands, for actuators that follow the commands with a delay.
 ///
-/// The law computes the state m of the actuators from the commands u that the motors could carry
+/// The law estimates the state m of the actuators from the commands u that the motors can carry
 /// out: m[k+1] = m[k] + (1 - e^(-dt/lag)) (u[k - past] - m[k]) for each input. It adds
 /// -K_lag (m[k] - u0) - K_past [u[k-1] - u0; u[k-2] - u0; …] to its command.
 struct CommandMemory {
-  Eigen::VectorXd lag;     ///< (nu) time constants [s], > 0
-  Eigen::MatrixXd K_lag;   ///< (nu × nu)
-  int past = 0;            ///< control periods from a command to its actuator, ≥ 0
-  Eigen::MatrixXd K_past;  ///< (nu × past nu), the newest command first
+  Eigen::VectorXd lag;    ///< (nu) time constants [s], > 0
+  Eigen::MatrixXd K_lag;  ///< (nu × nu)
+  /// Delay from a command to its actuator [control periods], ≥ 0.
+  int past = 0;
+  Eigen::MatrixXd K_past;  ///< (nu × past nu), newest command first
 };
 
-/// Bounds that keep a state feedback near the flight that its gains were made for.
+/// Limits that keep a state feedback near the flight condition that its gains were designed for.
 struct FeedbackLimits {
-  /// The law sees an error of the horizontal position of at most this length [m], > 0.
+  /// The horizontal position error that the law uses is limited to this length [m], > 0.
   double position_error = std::numeric_limits<double>::infinity();
-  /// Whether an integral stops growing in a direction in which the motors produce no more.
+  /// Whether an integral stops growing in a direction in which the motors are saturated.
   bool conditional_integration = false;
 
   friend bool operator==(const FeedbackLimits&, const FeedbackLimits&) = default;
 };
 
-/// Axes in which a law sees the error of the horizontal position.
+/// The axes in which a law uses the horizontal position error.
 enum class PositionAxes {
-  world,    ///< north and east: right at the heading of the trim
-  heading,  ///< the error in px and py, and its integral, turned from the trim's heading to the
-            ///< vehicle's, so that the law is the same whatever the heading
+  world,  ///< north and east: correct only at the heading of the trim
+  /// The errors of px and py and their integrals are rotated from the trim's heading to the
+  /// vehicle's, so that the law does not depend on the heading.
+  heading,
 };
 /// "world", "heading", and back.
 [[nodiscard]] std::string to_string(PositionAxes axes);
@@ -51,15 +53,15 @@ enum class PositionAxes {
 
 /// u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) for SignLaw::set_point_minus_state.
 ///
-/// The integral is over the listed states only, in seconds times the state's unit, advanced once a
-/// sample by the error times dt.
+/// Only the listed states are integrated. An integral, in the state's unit times seconds, is
+/// advanced once per sample by the error times dt.
 struct Gains {
   Eigen::MatrixXd K;              ///< (nu × nx) [input unit / state unit]
   Eigen::MatrixXd K_int;          ///< (nu × ni) [input unit / (state unit · s)]; ni may be 0
   std::vector<Signal> states;     ///< nx
   std::vector<Signal> inputs;     ///< nu
-  std::vector<Signal> integrals;  ///< ni; names of integrated states, their units times s
-  Eigen::VectorXd x0;             ///< (nx) trim state, the set point that the gain was made for
+  std::vector<Signal> integrals;  ///< ni; names of the integrated states, their units times s
+  Eigen::VectorXd x0;             ///< (nx) trim state, the set point that the gain was designed for
   Eigen::VectorXd u0;             ///< (nu) trim input
   std::string vehicle;            ///< name of the vehicle
   std::string convention;         ///< name of the convention
@@ -71,23 +73,22 @@ struct Gains {
   FeedbackLimits limits = {};
 };
 
-/// Checks shapes and finiteness.
-/// @throws InvalidInput  naming the matrix, its shape and what was expected.
+/// Validates shapes and that all entries are finite.
+/// @throws InvalidInput  with the matrix, its shape and the expected shape.
 void validate(const Gains& gains, const std::string& where);
 
-/// The listed states as Gains::integrals: their names, their units times s. Names of no state are
-/// passed over.
+/// The signals of Gains::integrals for the listed states: their names, their units times s. Names
+/// that are not states are ignored.
 [[nodiscard]] std::vector<Signal> integral_signals(const std::vector<Signal>& states,
                                                    const std::vector<std::string>& integrated);
 
-/// The loop of the gains, integrals included, cut at the plant's inputs: L with L under negative
-/// feedback the loop as it flies.
+/// The loop transfer L of plant and gains, integrals included, cut at the plant's inputs: L under
+/// negative feedback is the closed loop.
 ///
-/// @param plant  sampled, with the gains' states in any order, and the gains' inputs
-/// @return       nx + ni states, those of the gains and their integrals, then those of the memory
-/// if
-///               the gains have one; nu inputs and outputs
-/// @throws InvalidInput  for a plant of other states or inputs
+/// @param plant  sampled, with the states of the gains in any order, and the inputs of the gains
+/// @return       nx + ni states: the states of the gains, their integrals, then the states of the
+///               memory if the gains have one; nu inputs and outputs
+/// @throws InvalidInput  if the plant's states or inputs are not those of the gains
 [[nodiscard]] DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains);
 
 }  // namespace quadtune

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Linear time-invariant models with named signals. Continuous and discrete are two types, so that
-/// the one cannot be passed for the other.
+/// Linear time-invariant models with named signals. Continuous and discrete models are different
+/// types, so that one cannot be passed for the other.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@ namespace quadtune {
 
 /// One scalar signal: a state, an input or an output.
 struct Signal {
-  std::string name;  ///< as its convention calls it, e.g. "theta"
-  std::string unit;  ///< SI, e.g. "rad"; empty when it has none or it is not known
+  std::string name;  ///< name in its convention, e.g. "theta"
+  std::string unit;  ///< SI, e.g. "rad"; empty if dimensionless or unknown
 
   friend bool operator==(const Signal&, const Signal&) = default;
 };
@@ -40,15 +40,15 @@ struct DiscreteLti {
   std::vector<Signal> outputs;  ///< ny names, or empty
 };
 
-/// Checks shapes and finiteness.
-/// @throws InvalidInput  naming the matrix, its shape and what was expected.
+/// Validates shapes and that all entries are finite.
+/// @throws InvalidInput  with the matrix, its shape and the expected shape.
 void validate(const ContinuousLti& plant, const std::string& where);
 void validate(const DiscreteLti& plant, const std::string& where);
 
-/// Names of the signals joined by blanks, for messages: "x y z".
+/// The names of the signals separated by blanks, for messages: "x y z".
 [[nodiscard]] std::string names(const std::vector<Signal>& signals);
 
-/// Names of `signals`, or "1", "2", … up to `count` when there are none.
+/// The names of `signals`, or "1", "2", … up to `count` if there are none.
 [[nodiscard]] std::vector<std::string> names_or_numbers(const std::vector<Signal>& signals,
                                                         Eigen::Index count);
 

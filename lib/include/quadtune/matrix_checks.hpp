@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Checks that every public function makes on the matrices that it is given.
+/// Checks that every public function applies to its matrix arguments.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace quadtune {
 
-/// "3x4": how messages write a shape.
+/// The shape as messages write it: "3x4".
 [[nodiscard]] std::string shape(const Eigen::Ref<const Eigen::MatrixXd>& M);
 
 /// @throws InvalidInput  "where: A has nan at (2,3), expected finite numbers" (1-based).
@@ -18,8 +18,8 @@ void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::strin
 void require_shape(const Eigen::Ref<const Eigen::MatrixXd>& M, Eigen::Index rows, Eigen::Index cols,
                    const std::string& where, const std::string& name, const std::string& why);
 
-/// Asymmetry up to 1e-10 of the largest entry is rounding and is accepted.
-/// @throws InvalidInput  naming the worst pair of entries and by how much they differ.
+/// Accepts asymmetry of up to 1e-10 of the largest entry as rounding.
+/// @throws InvalidInput  with the pair of entries that differs most, and the difference.
 void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::string& where,
                        const std::string& name);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Memory of samples. What is large lies in a file without a name, which the kernel writes out and
-/// takes back as it needs: a program that works through a long log does not grow with it.
+/// Storage of samples. Large arrays are stored in an unnamed memory-mapped file, whose pages the
+/// operating system writes to disk and reads back as needed, so that a long log does not have to
+/// fit in memory.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,12 +13,12 @@
 
 namespace quadtune {
 
-/// Blocks of fewer bytes are of the heap.
-inline constexpr std::size_t kLeastSpooled = std::size_t{4} << 20;
+/// Blocks of fewer bytes are allocated on the heap.
+inline constexpr std::size_t kMinSpooled = std::size_t{4} << 20;
 
 namespace internal {
-/// The file lies in $TMPDIR, else in /var/tmp; where it has no room, the block is of the heap too.
-/// A process that is forked sees and changes the same samples.
+/// Creates the file in $TMPDIR, or in /var/tmp if that is not set. If the file system has no room,
+/// the block is allocated in memory instead. A forked process shares the samples.
 /// @throws std::bad_alloc
 [[nodiscard]] void* allocate_samples(std::size_t bytes);
 void free_samples(void* block, std::size_t bytes) noexcept;
@@ -49,20 +50,20 @@ template <class T>
 using SamplesOf = std::vector<T, SampleAllocator<T>>;
 using Samples = SamplesOf<double>;
 
-/// A matrix of samples, one a column; in expressions as any matrix of Eigen.
+/// A matrix of samples, one per column; usable as any Eigen matrix in expressions.
 template <class Scalar>
 class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> {
  public:
   using Base = Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>>;
 
   SampleArray() : Base(nullptr, 0, 0) {}
-  /// Of zeros.
+  /// A matrix of zeros.
   SampleArray(Eigen::Index rows, Eigen::Index cols) : SampleArray() { resize(rows, cols); }
   template <class Derived>
   SampleArray(const Eigen::EigenBase<Derived>& other) : SampleArray() {
     *this = other;
   }
-  /// @param columns  column after column, rows × cols numbers
+  /// @param columns  the entries in column-major order, rows × cols numbers
   SampleArray(SamplesOf<Scalar> columns, Eigen::Index rows, Eigen::Index cols)
       : Base(nullptr, 0, 0), storage_(std::move(columns)) {
     map(rows, cols);
@@ -88,12 +89,12 @@ class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eige
 
   using Base::setConstant;
 
-  /// Of zeros, whatever it was.
+  /// Changes the size and sets all entries to zero.
   void resize(Eigen::Index rows, Eigen::Index cols) {
     storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols));
     map(rows, cols);
   }
-  /// Of one number, whatever it was.
+  /// Changes the size and sets all entries to `value`.
   void setConstant(Eigen::Index rows, Eigen::Index cols, Scalar value) {
     storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols), value);
     map(rows, cols);

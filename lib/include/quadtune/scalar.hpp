@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The few functions by which code that runs on board is written once for every scalar: float and
-/// double, which fly and simulate one vehicle, and Pack, which simulates several at once.
+/// Functions with which on-board code is written once for all scalars: float and double, which fly
+/// and simulate one vehicle, and Pack, which simulates several vehicles at once.
 ///
-/// Such code has no `if` on a scalar: it computes both sides and takes one with select(). Sines,
-/// logarithms and the like are called unqualified after `using std::sin;`.
+/// Such code must not branch on a scalar: it computes both alternatives and picks one with
+/// select(). Elementary functions are called unqualified after `using std::sin;`.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace quadtune {
 
-/// What a comparison of scalars gives: bool for a number, one bool a lane for a Pack.
+/// The result type of a comparison: bool for a number, one bool per lane for a Pack.
 template <class T>
 struct MaskOfScalar {
   using type = bool;
@@ -20,7 +20,7 @@ struct MaskOfScalar {
 template <class T>
 using MaskOf = typename MaskOfScalar<T>::type;
 
-/// a where the mask is true, else b. Both are computed; a NaN in the one not taken does no harm.
+/// a if the mask is true, else b. Both are evaluated; a NaN in the other one has no effect.
 [[nodiscard]] constexpr double select(bool mask, double a, double b) noexcept {
   return mask ? a : b;
 }
@@ -28,17 +28,17 @@ using MaskOf = typename MaskOfScalar<T>::type;
 /// The same for masks.
 [[nodiscard]] constexpr bool select(bool mask, bool a, bool b) noexcept { return mask ? a : b; }
 
-/// The smaller and the larger; b where a is NaN, a where b is NaN is not promised.
+/// The minimum and the maximum. If a is NaN the result is b; the result is unspecified if b is NaN.
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] constexpr T lesser(T a, T b) noexcept { return a < b ? a : b; }
+[[nodiscard]] constexpr T min_of(T a, T b) noexcept { return a < b ? a : b; }
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] constexpr T greater(T a, T b) noexcept { return a > b ? a : b; }
-/// x within low ≤ high; low where x is NaN.
+[[nodiscard]] constexpr T max_of(T a, T b) noexcept { return a > b ? a : b; }
+/// x limited to [low, high]; low if x is NaN.
 template <class T>
 [[nodiscard]] constexpr T clamped(const T& x, const T& low, const T& high) noexcept {
-  return lesser(greater(x, low), high);
+  return min_of(max_of(x, low), high);
 }
 
 template <class T>
@@ -46,29 +46,29 @@ requires std::is_floating_point_v<T>
 [[nodiscard]] inline bool is_finite(T x) noexcept { return std::isfinite(x); }
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] inline T magnitude(T x) noexcept { return std::abs(x); }
+[[nodiscard]] inline T abs_of(T x) noexcept { return std::abs(x); }
 
-/// Whether it holds in any lane, in every lane, in none. Lanes of a number: itself.
+/// Whether the mask is true in any lane or in every lane. A number has one lane.
 [[nodiscard]] constexpr bool any(bool mask) noexcept { return mask; }
 [[nodiscard]] constexpr bool all(bool mask) noexcept { return mask; }
-/// Lane by lane, for both kinds of mask; && and || of masks would not be.
-[[nodiscard]] constexpr bool both(bool a, bool b) noexcept { return a && b; }
-[[nodiscard]] constexpr bool either(bool a, bool b) noexcept { return a || b; }
-[[nodiscard]] constexpr bool negated(bool a) noexcept { return !a; }
+/// Lane by lane and, or and not for both kinds of mask; && and || do not work on a Pack's masks.
+[[nodiscard]] constexpr bool logical_and(bool a, bool b) noexcept { return a && b; }
+[[nodiscard]] constexpr bool logical_or(bool a, bool b) noexcept { return a || b; }
+[[nodiscard]] constexpr bool logical_not(bool a) noexcept { return !a; }
 
-/// f(0), f(1) … f(N - 1), inlined, each index a constant: unlike a loop it lets the compiler keep
-/// the elements of small arrays in registers.
+/// Calls f(0), f(1) … f(N - 1), inlined, with constant indices: unlike a loop, this lets the
+/// compiler keep the elements of small arrays in registers.
 template <int N, class Function>
 [[gnu::always_inline]] inline void unrolled(Function&& f) {
   [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) { (f(I), ...); }
   (std::make_integer_sequence<int, N>());
 }
 
-/// How many vehicles a scalar stands for.
+/// The number of vehicles that a scalar represents.
 template <class T>
 inline constexpr int kLanesOf = 1;
 
-/// One lane of a scalar, to read and to write.
+/// Reads and writes one lane of a scalar.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr double lane(T x, int) noexcept { return static_cast<double>(x); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads matrices from plain text, as people and flight programs write them.
+/// Reads matrices from plain text.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,22 +8,22 @@
 
 namespace quadtune {
 
-/// Largest matrix text that is read [bytes].
+/// Maximum size of a matrix text [bytes].
 inline constexpr std::size_t kMatrixTextLimit = std::size_t{16} << 20;
 
-/// Parses one row a line: numbers separated by blanks or commas, `#` starts a comment, lines with
-/// nothing else are skipped. The decimal sign is a dot whatever the locale, and a number becomes
+/// Parses one row per line: numbers separated by blanks or commas. `#` starts a comment, and empty
+/// lines are skipped. The decimal separator is a dot in every locale, and each number is rounded to
 /// the nearest double.
 ///
-/// @param text    The file's bytes.
-/// @param origin  What messages call the file.
+/// @param text    The content of the file.
+/// @param origin  The file's name in messages.
 /// @return        (rows × columns), at least 1 × 1, all finite.
-/// @throws InvalidInput  "origin:line: …" for a ragged row, a word, nan or infinity, a number too
-///                       large for a double, a decimal comma, no numbers at all, or too long a
-///                       text.
+/// @throws InvalidInput  "origin:line: …" if a row has a different length, an entry is not a
+///                       number, not finite, beyond the range of a double or has a decimal comma,
+///                       if there are no numbers, or if the text is too long.
 [[nodiscard]] Eigen::MatrixXd parse_text_matrix(const std::string& text, const std::string& origin);
 
-/// Reads a matrix file; "-" is standard input.
+/// Reads a matrix from a file, or from standard input if the path is "-".
 /// @throws InvalidInput  as parse_text_matrix.
 /// @throws FileError     if the file cannot be read.
 [[nodiscard]] Eigen::MatrixXd read_text_matrix(const std::string& path);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Transfer functions of one input and one output. As with state-space models, continuous and
-/// discrete are two types.
+/// Single-input single-output transfer functions. As with state-space models, continuous and
+/// discrete ones are different types.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ namespace quadtune {
 
 /// G(s) = num(s)/den(s) e^(-delay s). Coefficients in descending powers of s.
 struct ContinuousTransferFunction {
-  Eigen::VectorXd num;  ///< at least one; no longer than den
-  Eigen::VectorXd den;  ///< at least one; the first is not 0
+  Eigen::VectorXd num;  ///< at least one coefficient; not longer than den
+  Eigen::VectorXd den;  ///< at least one coefficient; the first is not 0
   double delay = 0;     ///< [s], ≥ 0
 
   /// G(s), s [rad/s].
@@ -24,8 +24,8 @@ struct ContinuousTransferFunction {
 /// G(z) = num(z)/den(z) z^(-delay), one step every dt seconds. Coefficients in descending powers of
 /// z.
 struct DiscreteTransferFunction {
-  Eigen::VectorXd num;  ///< at least one; no longer than den
-  Eigen::VectorXd den;  ///< at least one; the first is not 0
+  Eigen::VectorXd num;  ///< at least one coefficient; not longer than den
+  Eigen::VectorXd den;  ///< at least one coefficient; the first is not 0
   double dt = 0;        ///< sample period [s], > 0
   int delay = 0;        ///< whole samples, ≥ 0
 
@@ -33,42 +33,44 @@ struct DiscreteTransferFunction {
   [[nodiscard]] std::complex<double> operator()(std::complex<double> z) const;
 };
 
-/// Checks for emptiness, finiteness, a leading 0 of the denominator, and that there are not more
-/// zeros than poles. Leading zeros of the numerator are allowed.
+/// Checks that the coefficients exist and are finite, that the leading coefficient of the
+/// denominator is not 0, and that the transfer function is proper. Leading zeros of the numerator
+/// are allowed.
 /// @throws InvalidInput  "where: num has degree 3, den 2, expected no more zeros than poles because
 ///                       …"
 void validate(const ContinuousTransferFunction& plant, const std::string& where);
 void validate(const DiscreteTransferFunction& plant, const std::string& where);
 
-/// Value of a polynomial, coefficients in descending powers, by Horner's rule.
+/// The value of a polynomial with coefficients in descending powers, by Horner's rule.
 [[nodiscard]] std::complex<double> polynomial(const Eigen::VectorXd& coefficients,
                                               std::complex<double> x);
 
-/// p · q, coefficients in descending powers; neither empty.
+/// The product p · q, coefficients in descending powers; neither may be empty.
 [[nodiscard]] Eigen::VectorXd polynomial_product(const Eigen::VectorXd& p,
                                                  const Eigen::VectorXd& q);
 
-/// The same polynomial from its first coefficient that is not 0; of zeros alone one remains.
+/// The same polynomial without leading zero coefficients; the zero polynomial keeps one
+/// coefficient.
 [[nodiscard]] Eigen::VectorXd without_leading_zeros(const Eigen::VectorXd& coefficients);
 
-/// Roots of a polynomial, coefficients in descending powers; leading zeros are passed over. From
-/// the eigenvalues of the balanced companion matrix. Empty for a constant.
-/// @throws InvalidInput  when all coefficients are 0, or not finite.
+/// The roots of a polynomial with coefficients in descending powers, as eigenvalues of the balanced
+/// companion matrix. Leading zeros are ignored. Empty for a constant.
+/// @throws InvalidInput  if all coefficients are 0 or one is not finite.
 [[nodiscard]] Eigen::VectorXcd polynomial_roots(const Eigen::VectorXd& coefficients);
 
-/// gain · Π (x - root), real coefficients in descending powers. Complex roots must come in
-/// conjugate pairs (to rounding); the imaginary parts that rounding leaves are dropped.
+/// gain · Π (x - root) with real coefficients in descending powers. Complex roots must occur in
+/// conjugate pairs (up to rounding); imaginary parts due to rounding are dropped.
 [[nodiscard]] Eigen::VectorXd polynomial_of_roots(const Eigen::VectorXcd& roots, double gain = 1);
 
-/// Realization in controllable canonical form, states scaled by powers of two; the delay is left
-/// out. nx = degree of den.
-/// @throws InvalidInput  when den is a constant: a gain alone has no states.
+/// Realization in controllable canonical form with states scaled by powers of two, without the
+/// delay. nx is the degree of den.
+/// @throws InvalidInput  if den is a constant, because a pure gain has no states.
 [[nodiscard]] ContinuousLti realize(const ContinuousTransferFunction& plant);
-/// The same; the delay becomes `delay` more states at the input.
+/// The same for a discrete transfer function; its delay adds `delay` states at the input.
 [[nodiscard]] DiscreteLti realize(const DiscreteTransferFunction& plant);
 
-/// Finite transmission zeros of one channel of a plant, by the generalized eigenvalues of its
-/// system matrix [A - λI, b; c, d].
+/// Finite transmission zeros of one channel of a plant: the generalized eigenvalues of its system
+/// matrix [A - λI, b; c, d].
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const ContinuousLti& plant, Eigen::Index output,
                                                   Eigen::Index input);
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const DiscreteLti& plant, Eigen::Index output,

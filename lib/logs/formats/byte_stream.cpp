@@ -37,7 +37,7 @@ ByteStream::ByteStream(ByteStream&& other) noexcept
 
 bool ByteStream::fill() {
   if (at_end_ || ready_.size() == buffer_.size()) return false;
-  // What is left moves to the front only when there is no room behind it.
+  // Move the remaining bytes to the front only when there is no space after them.
   char* const front = buffer_.data();
   const std::size_t used =
       ready_.empty() ? 0 : static_cast<std::size_t>(ready_.data() + ready_.size() - front);

@@ -12,23 +12,24 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 constexpr std::string_view kArduPilot =
-    "is a text log of ArduPilot, whose rows are of many kinds, expected one table: write the rows "
-    "of one kind as CSV, as with mavlogdump.py --format csv --types IMU";
-constexpr std::string_view kPacked = "is compressed, expected a log: unpack it first";
+    "is an ArduPilot text log with several kinds of rows, expected one table: export the rows "
+    "of one kind as CSV, e.g. with mavlogdump.py --format csv --types IMU";
+constexpr std::string_view kPacked = "is compressed, expected a log: decompress it first";
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kBeginnings = {
     {{"\xa3\x95"sv,
-      "is a binary log of ArduPilot (DataFlash), expected one table: write the rows of one kind as "
-      "CSV, as with mavlogdump.py --format csv --types IMU"sv},
+      "is a binary ArduPilot log (DataFlash), expected one table: export the rows of one kind as "
+      "CSV, e.g. with mavlogdump.py --format csv --types IMU"sv},
      {"H Product:Blackbox"sv,
-      "is a blackbox log of Betaflight or its kin, expected a table: blackbox_decode writes it as "
+      "is a blackbox log of Betaflight or a fork, expected a table: use blackbox_decode to write "
+      "it as "
       "CSV"sv},
      {"#ROSBAG V"sv,
-      "is a bag of ROS, expected a table: rostopic echo -b FILE -p TOPIC writes a topic as CSV"sv},
+      "is a ROS bag, expected a table: rostopic echo -b FILE -p TOPIC writes a topic as CSV"sv},
      {"\x89MCAP0\r\n"sv,
-      "is a bag of ROS 2 (MCAP), expected a table: write a topic of it as CSV"sv},
+      "is a ROS 2 bag (MCAP), expected a table: export one of its topics as CSV"sv},
      {"SQLite format 3\0"sv,
-      "is an SQLite database, as bags of ROS 2 are, expected a table: write one as CSV"sv},
+      "is an SQLite database, possibly a ROS 2 bag, expected a table: export one as CSV"sv},
      {"\x1f\x8b"sv, kPacked},
      {"PK\x03\x04"sv, kPacked},
      {"BZh"sv, kPacked},
@@ -37,7 +38,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kBeginni
       kPacked},
      {"\x28\xb5\x2f\xfd"sv, kPacked}}};
 
-// The first row that is not a banner says how the rows of that kind are made up.
+// The first row that is not a banner defines the fields of its kind of rows.
 bool is_ardupilot(std::string_view bytes) {
   constexpr std::string_view kFormat = "FMT,";
   while (true) {
@@ -85,7 +86,7 @@ std::string_view foreign_format(std::string_view bytes) {
   if (found != kBeginnings.end()) return found->second;
   if (is_ardupilot(bytes)) return kArduPilot;
   if (is_settings(bytes))
-    return "is a file of settings (name = value), expected a table; --format text reads it as one";
+    return "is a settings file (name = value), expected a table; --format text reads it as one";
   if (const std::size_t name = bytes.find_first_not_of("{ \t\r\n");
       bytes.starts_with('{') && name != std::string_view::npos && bytes[name] == '"')
     return "is JSON, expected a table";

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Logs that are not read, told by name instead of by their broken rows.
+/// Recognizes log formats that are not supported, so that messages can name them.
 #pragma once
 
 #include <string_view>
 
 namespace quadtune::internal {
 
-/// What a file is that begins so, and how to get a log of it that is read; "" for what is unknown.
+/// Describes a file by its first bytes, and how to convert it to a supported format; empty if
+/// unknown.
 [[nodiscard]] std::string_view foreign_format(std::string_view bytes);
 
 }  // namespace quadtune::internal

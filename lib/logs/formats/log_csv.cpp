@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comment lines, a line of names, rows. Comment lines are records of CSV themselves, so that a
-// spreadsheet splits them as well, and no text ever spans lines: programs that skip comments do so
-// line by line.
+// Comment lines, a line of column titles, rows. Comment lines are also valid CSV records, so that a
+// spreadsheet splits them into fields. A text never spans several lines, because programs that skip
+// comments do so line by line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,11 +27,11 @@ constexpr std::string_view kFirstLine = "# quadtune-log,1";
 constexpr std::string_view kNote =
     "# note,units stand in brackets after the names; 1 is a count or a truth value; an empty field "
     "is no value";
-constexpr std::size_t kLongestNumber = 24;  // -1.2345678901234567e-308
+constexpr std::size_t kMaxNumber = 24;  // -1.2345678901234567e-308
 
 // --- writing ---
 
-// `text` on one line without control characters; with `also` escaped too.
+// Escapes control characters of `text`, and the characters in `also`, so that it fits on one line.
 std::string escaped(std::string_view text, std::string_view also) {
   std::string line;
   for (const char c : text) {
@@ -48,7 +48,7 @@ std::string escaped(std::string_view text, std::string_view also) {
   return line;
 }
 
-// A field of a record, in quotes where it needs them.
+// A field of a record, quoted if necessary.
 std::string field(std::string_view text) {
   if (text.find_first_of(",\"") == std::string_view::npos) return std::string(text);
   std::string quoted = "\"";
@@ -56,37 +56,38 @@ std::string field(std::string_view text) {
   return quoted + '"';
 }
 
-// '[' ends the name and '#' begins a comment to some readers, in the middle of a line too.
+// '[' ends the name, and some readers treat '#' as the beginning of a comment even within a line.
 std::string title(const LogColumn& column) {
   return field(escaped(column.name, "[#") + '[' + escaped(column.unit, "#") + ']');
 }
 
-// At `out` without a final zero; gives the end.
+// Writes a number without a final zero at `out`; returns the end.
 char* write_number(double value, char* out) {
-  return std::to_chars(out, out + kLongestNumber, value).ptr;
+  return std::to_chars(out, out + kMaxNumber, value).ptr;
 }
 
 std::string number_text(double value) {
-  char digits[kLongestNumber];
+  char digits[kMaxNumber];
   return std::isnan(value) ? "nan" : std::string(digits, write_number(value, digits));
 }
 
 // --- reading ---
 
-// One line and where it stands.
+// A line and its location.
 struct Line {
   std::string_view text;
   std::string where;
 };
 
 [[noreturn]] void refuse_number(std::string_view word, const std::string& where) {
-  throw InvalidInput(where, fmt::format("'{}' is no number that a double holds, expected one, or "
-                                        "nothing for no value",
-                                        printable(word)));
+  throw InvalidInput(where,
+                     fmt::format("'{}' is not a number in the range of a double, expected one, or "
+                                 "an empty field",
+                                 printable(word)));
 }
 
-// The number at the start of `rest`, which moves behind it. GCC reads denormal numbers, and refuses
-// those that round to 0 or infinity.
+// Parses the number at the beginning of `rest` and removes it. Denormal numbers are accepted by
+// GCC's parser, numbers that round to 0 or infinity are rejected.
 std::optional<double> leading_number(std::string_view& rest) {
   double value = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
@@ -119,15 +120,16 @@ std::string unescaped(std::string_view text, const std::string& where) {
       plain += static_cast<char>(byte);
       i += 3;
     } else {
-      throw InvalidInput(where, fmt::format("'{}' begins no escape, expected \\\\, \\n or \\x and "
-                                            "two hexadecimal digits",
-                                            printable(text.substr(i, 4))));
+      throw InvalidInput(
+          where, fmt::format("'{}' is not an escape sequence, expected \\\\, \\n or \\x and "
+                             "two hexadecimal digits",
+                             printable(text.substr(i, 4))));
     }
   }
   return plain;
 }
 
-// The fields of a record, without their quotes, still escaped.
+// Splits a record into fields; quotes are removed, escape sequences are not yet replaced.
 std::vector<std::string> split(const Line& line) {
   std::vector<std::string> fields(1);
   for (std::size_t i = 0; i < line.text.size();) {
@@ -136,8 +138,7 @@ std::vector<std::string> split(const Line& line) {
       for (++i;; ++i) {
         const std::size_t quote = line.text.find('"', i);
         if (quote == std::string_view::npos)
-          throw InvalidInput(line.where,
-                             "a quoted field does not end, expected a quote at its end");
+          throw InvalidInput(line.where, "a quoted field has no closing quote");
         last.append(line.text, i, quote - i);
         i = quote + 1;
         if (i == line.text.size() || line.text[i] != '"') break;
@@ -145,7 +146,7 @@ std::vector<std::string> split(const Line& line) {
       }
       if (i < line.text.size() && line.text[i] != ',')
         throw InvalidInput(line.where,
-                           "something follows the end of a quoted field, expected a "
+                           "unexpected text after a quoted field, expected a "
                            "comma");
     } else {
       const std::size_t comma = std::min(line.text.find(',', i), line.text.size());
@@ -169,7 +170,7 @@ class Reader {
     while (!rest_.empty()) read_row(next_line());
     if (rows_ && *rows_ != table_.rows())
       throw InvalidInput(origin_,
-                         fmt::format("has {} rows, expected {} as its head says; is it cut "
+                         fmt::format("has {} rows, expected {} as its header states; is it cut "
                                      "short?",
                                      table_.rows(), *rows_));
     internal::require_log(table_, origin_);
@@ -197,7 +198,7 @@ class Reader {
     if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
     const std::string_view first = rest_.substr(0, rest_.find_first_of("\r\n"));
     if (first != kFirstLine)
-      throw InvalidInput(origin_ + ":1", fmt::format("'{}' begins no log, expected '{}'",
+      throw InvalidInput(origin_ + ":1", fmt::format("the file begins with '{}', expected '{}'",
                                                      printable(first), kFirstLine));
     next_line();
     while (rest_.starts_with('#')) {
@@ -241,25 +242,25 @@ class Reader {
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, rows);
     if (rows_ || error != std::errc() || stop != end)
-      throw InvalidInput(
-          place, rows_ ? "the rows are counted twice, expected once"
-                       : fmt::format("'{}' is no count of rows, expected one", printable(text)));
+      throw InvalidInput(place, rows_ ? "the row count is given twice, expected once"
+                                      : fmt::format("'{}' is not a row count", printable(text)));
     rows_ = rows;
   }
 
   void read_titles() {
     if (rest_.empty())
       throw InvalidInput(origin_,
-                         "has no line of names, expected one below the comments; is it cut "
+                         "has no line of column names below the comments; is it cut "
                          "short?");
     const Line line{next_line(), where()};
     if (line.text.empty()) return;  // a log without columns
     for (const std::string& title : split(line)) {
       const std::size_t bracket = title.find('[');
       if (bracket == std::string::npos || !title.ends_with(']'))
-        throw InvalidInput(line.where, fmt::format("'{}' names no column, expected a name and its "
-                                                   "unit in brackets, such as x.px[m]",
-                                                   printable(title)));
+        throw InvalidInput(line.where,
+                           fmt::format("'{}' is not a column title, expected a name and its "
+                                       "unit in brackets, such as x.px[m]",
+                                       printable(title)));
       table_.columns.push_back(
           {unescaped(title.substr(0, bracket), line.where),
            unescaped(title.substr(bracket + 1, title.size() - bracket - 2), line.where),
@@ -269,7 +270,8 @@ class Reader {
 
   void read_row(std::string_view row) {
     std::size_t count = 0;
-    for (std::string_view rest = row;; rest.remove_prefix(1)) {  // what the last field left: ",…"
+    // Rest of the record after the last field: ",…"
+    for (std::string_view rest = row;; rest.remove_prefix(1)) {
       double value = std::numeric_limits<double>::quiet_NaN();
       if (!rest.empty() && rest.front() != ',') {
         const std::string_view word = rest;
@@ -283,14 +285,14 @@ class Reader {
       if (rest.empty()) break;
     }
     if (count != table_.columns.size())
-      throw InvalidInput(where(),
-                         fmt::format("the row has {} fields, expected {}, as many as names", count,
-                                     table_.columns.size()));
+      throw InvalidInput(
+          where(), fmt::format("the row has {} fields, expected {} because there are as many names",
+                               count, table_.columns.size()));
   }
 
   std::string_view rest_;
   std::string origin_;
-  std::size_t number_ = 0;  // of the line that was read last
+  std::size_t number_ = 0;  // number of the line that was read last
   std::optional<std::size_t> rows_;
   LogTable table_;
 };
@@ -309,7 +311,7 @@ std::string csv_of(const LogTable& table) {
   for (std::size_t i = 0; i < columns; ++i) text += (i > 0 ? "," : "") + title(table.columns[i]);
   text += '\n';
 
-  std::vector<char> row(columns * (kLongestNumber + 1));
+  std::vector<char> row(columns * (kMaxNumber + 1));
   for (std::size_t i = 0; i < table.rows(); ++i) {
     char* end = row.data();
     for (std::size_t k = 0; k < columns; ++k) {
@@ -317,7 +319,7 @@ std::string csv_of(const LogTable& table) {
       const double value = table.columns[k].values[i];
       if (!std::isnan(value)) end = write_number(value, end);
     }
-    // Many readers pass over an empty line, so alone in its row no value is written out.
+    // Many readers skip empty lines, so a missing value alone in its row is written explicitly.
     if (end == row.data())
       text += "nan";
     else

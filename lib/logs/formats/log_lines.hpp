@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lines of words as logging programs write them, and what all readers of such lines share.
+/// Lines of words as written by logging programs, and helpers that all line readers share.
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,24 @@
 
 namespace quadtune::internal {
 
-/// The next word of `rest`, which moves behind it and behind what follows: one separator, or with
-/// ' ' as separator any blanks.
+/// Removes the next word and the separator after it from `rest`; with ' ' as separator, any number
+/// of blanks.
 std::string_view next_word(std::string_view& rest, char separator);
 
-/// `word` as a number that is all of it; nothing for anything else.
+/// Converts `word` to a number if all of it is one; otherwise empty.
 [[nodiscard]] std::optional<double> number_of(std::string_view word);
 
-/// Lines of a stream, counted. A line that does not end tears the log.
+/// Reads and counts the lines of a stream. A last line without an end marks the log as torn.
 class LogLines {
  public:
   explicit LogLines(ByteStream stream) : stream_(std::move(stream)) {}
 
-  /// The next line that ends; nothing at the end, which a torn line is noted in `condition` for.
+  /// Reads the next complete line. Empty at the end; an incomplete last line is then noted in
+  /// `condition`.
   std::optional<std::string_view> next(LogCondition& condition);
-  /// What follows the line that came last, `count` bytes at most, without passing over it.
+  /// Peeks at up to `count` bytes after the last line.
   [[nodiscard]] std::string_view ahead(std::size_t count) { return stream_.peek(count); }
-  /// "file:line" of the line that came last.
+  /// "file:line" of the last line.
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& name() const { return stream_.name(); }
 
@@ -37,7 +38,7 @@ class LogLines {
   std::uint64_t line_ = 0;
 };
 
-/// Counts a record that is passed over; the first with its reason.
+/// Counts a record that is skipped, and keeps the reason for the first one.
 void skip_record(LogCondition& condition, std::string why);
 
 }  // namespace quadtune::internal

@@ -19,12 +19,12 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kTicks = 1e6;            // microseconds
-constexpr std::size_t kMostGroups = 256;  // a replay has about ten sensors
-constexpr std::size_t kMostValues = 256;  // of a line
+constexpr double kTicks = 1e6;           // microseconds
+constexpr std::size_t kMaxGroups = 256;  // a replay has about ten sensors
+constexpr std::size_t kMaxValues = 256;  // per line
 constexpr std::size_t kBlockValues = 4096;
 
-// What the estimator's simulated sensors write, in their order.
+// Channels that the estimator's simulated sensors write, in their order.
 const std::vector<LogChannel>* known_channels(std::string_view sensor) {
   static const std::map<std::string, std::vector<LogChannel>, std::less<>> known = {
       {"imu",
@@ -60,7 +60,7 @@ class ReplayReader final : public LogReader {
   ReplayReader(ByteStream stream, const LogOptions& options)
       : LogReader("replay"), lines_(std::move(stream)), clock_(options.epoch_s) {}
 
-  // A block ends where another sensor comes, so that the file's order is kept.
+  // A block ends at the first row of another sensor, to keep the order of the file.
   bool next(LogBlock& block) override {
     block = {waiting_.group, std::move(block.time), std::move(block.values)};
     block.time.clear();
@@ -92,7 +92,7 @@ class ReplayReader final : public LogReader {
     waiting_.full = false;
   }
 
-  // The next line that can be read, into waiting_.
+  // Reads the next valid line into waiting_.
   bool read_row() {
     while (const std::optional<std::string_view> line = lines_.next(condition_)) {
       std::string_view rest = *line;
@@ -101,7 +101,7 @@ class ReplayReader final : public LogReader {
       const LogTicks ticks = leading_ticks(time_word);
       const std::string_view sensor = next_word(rest, ',');
       if (std::isnan(ticks.rest) || !time_word.empty() || !is_sensor(sensor) || rest.empty()) {
-        skip("is no sample, expected t_us,sensor,values");
+        skip("is not a sample, expected t_us,sensor,values");
         continue;
       }
       if (!read_values(rest)) continue;
@@ -120,9 +120,9 @@ class ReplayReader final : public LogReader {
     while (!rest.empty()) {
       const std::string_view word = next_word(rest, ',');
       const std::optional<double> value = number_of(word);
-      if (!value || waiting_.values.size() == kMostValues) {
-        skip(fmt::format("'{}' is no number that a double holds, expected one of at most {}",
-                         printable(word), kMostValues));
+      if (!value || waiting_.values.size() == kMaxValues) {
+        skip(fmt::format("'{}' is not a number in the range of a double, or more than {} values",
+                         printable(word), kMaxValues));
         return false;
       }
       waiting_.values.push_back(*value);
@@ -134,8 +134,8 @@ class ReplayReader final : public LogReader {
     const std::size_t count = waiting_.values.size();
     const auto found = by_name_.find(sensor);
     if (found == by_name_.end()) {
-      if (groups().size() == kMostGroups) {
-        skip(fmt::format("'{}' is one sensor more than {}", sensor, kMostGroups));
+      if (groups().size() == kMaxGroups) {
+        skip(fmt::format("sensor '{}' exceeds the limit of {} sensors", sensor, kMaxGroups));
         return std::nullopt;
       }
       add_group(group(sensor, count));
@@ -144,7 +144,8 @@ class ReplayReader final : public LogReader {
     }
     const std::size_t expected = groups()[found->second].channels.size();
     if (count == expected) return found->second;
-    skip(fmt::format("{} has {} values, expected {} as before", sensor, count, expected));
+    skip(
+        fmt::format("{} has {} values, expected {} as in previous lines", sensor, count, expected));
     return std::nullopt;
   }
 
@@ -164,7 +165,7 @@ class ReplayReader final : public LogReader {
   LogLines lines_;
   LogClock clock_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
-  Row waiting_;  // read, and of the block that comes next
+  Row waiting_;  // read; belongs to the next block
 };
 
 }  // namespace

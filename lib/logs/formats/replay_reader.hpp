@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Replays of PX4's estimator: "t_us,sensor,value,value,…", one line a sample of any sensor.
+/// Replay files of PX4's estimator: "t_us,sensor,value,value,…", one line per sample of any sensor.
 #pragma once
 
 #include <memory>
@@ -10,10 +10,10 @@
 
 namespace quadtune::internal {
 
-/// Whether the first line of a file looks like that.
+/// Whether the first line of a file has this format.
 [[nodiscard]] bool is_replay(std::string_view line);
 
-/// Each sensor becomes a group; the first line of it tells how many values it has.
+/// Each sensor becomes a group; its first line determines the number of its values.
 [[nodiscard]] std::unique_ptr<LogReader> open_replay(ByteStream stream, const LogOptions& options);
 
 }  // namespace quadtune::internal

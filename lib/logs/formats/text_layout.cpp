@@ -16,13 +16,13 @@
 namespace quadtune::internal {
 namespace {
 
-// "nan" and "inf" may be names.
+// Names such as "nan" and "inf" do not count as numbers.
 bool is_number(std::string_view field) {
   if (field.empty() || field.find_first_of("0123456789") == std::string_view::npos) return false;
   if (field.starts_with('+')) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  // 1e400 is a number, though none that a double holds.
+  // 1e400 is a number although a double cannot represent it.
   return error != std::errc::invalid_argument && end == field.data() + field.size();
 }
 
@@ -43,7 +43,7 @@ std::vector<std::string> split_at_blanks(std::string_view line) {
   return fields;
 }
 
-// Chooses the columns one by one.
+// Determines the role of each column.
 class Chooser {
  public:
   Chooser(const std::vector<std::string>& names, std::size_t count, const LogOptions& options,
@@ -73,7 +73,7 @@ class Chooser {
   }
 
  private:
-  // Beside x[0] or x[2], x[1] is an entry too and not a count.
+  // If there is an x[0] or x[2], x[1] is an entry of the same vector, and "1" is not a unit.
   static bool is_indexed(const std::string& stem, const std::vector<std::string>& names) {
     return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
       const std::string_view text = trimmed(name);
@@ -103,7 +103,7 @@ class Chooser {
     if (parts.empty() && options_.rate_hz == 0)
       if (const std::optional<std::size_t> clock = clock_of_names())
         parts.push_back({*clock, titles_[*clock].ticks, !titles_[*clock].guessed});
-    // The largest unit first, as it has the digits that an epoch is taken from.
+    // Largest unit first, since the epoch is taken from its digits.
     std::sort(parts.begin(), parts.end(),
               [](const TimePart& a, const TimePart& b) { return a.ticks < b.ticks; });
     for (const TimePart& part : parts) {
@@ -113,7 +113,8 @@ class Chooser {
     if (parts.size() == 1 && !parts[0].stated) layout_.unstated = unstated(parts[0].column);
     if (parts.empty() && options_.rate_hz == 0)
       layout_.notes.push_back(
-          "no column is known to be the time: name it with --columns, such as 't_s:1, *', or give "
+          "cannot tell which column is the time: name it with --columns, such as 't_s:1, *', or "
+          "give "
           "--rate");
   }
 
@@ -167,7 +168,7 @@ class Chooser {
     throw InvalidInput(
         where_,
         named_ ? fmt::format("has no column '{}'{}", printable(name), did_you_mean(name, known))
-               : fmt::format("has no line of names in which '{}' could stand, expected the "
+               : fmt::format("has no line of column names to look up '{}', expected the "
                              "column's number",
                              printable(name)));
   }
@@ -181,7 +182,7 @@ class Chooser {
   void add_channel(std::size_t column, const std::string& name, const std::string& unit) {
     if (layout_.roles[column].kind != TextRole::Kind::kPassedOver)
       throw InvalidInput(where_,
-                         fmt::format("column {} is taken twice, expected once", column + 1));
+                         fmt::format("column {} is selected twice, expected once", column + 1));
     std::string distinct = name.empty() ? fmt::format("c{}", column + 1) : name;
     while (!taken_.insert(distinct).second) distinct += fmt::format("#{}", column + 1);
     layout_.roles[column] = {TextRole::Kind::kChannel, layout_.channels.size()};
@@ -192,10 +193,10 @@ class Chooser {
   const std::string& where_;
   bool named_;
   std::vector<LogTitle> titles_;
-  std::vector<std::size_t> columns_;  // one for each choice
+  std::vector<std::size_t> columns_;  // one per choice
   std::unordered_set<std::size_t> chosen_;
   std::unordered_set<std::string> taken_;
-  std::size_t last_ = 0;  // the number of the column that was chosen last
+  std::size_t last_ = 0;  // number of the column that was chosen last
   TextLayout layout_;
 };
 
@@ -209,7 +210,7 @@ TextSeparator separator_of_numbers(std::string_view line) {
 
 TextSeparator separator_of_names(std::string_view line) {
   const TextSeparator separator = separator_of_numbers(line);
-  // Between tabs alone a name may hold blanks.
+  // If tabs are the only separators, names may contain blanks.
   const auto holds = [&](std::string_view part) {
     return line.find(part) != std::string_view::npos;
   };

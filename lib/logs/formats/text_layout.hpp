@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the columns of a text are: found in its first lines and in what the user says.
+/// Determines the columns of a text from its first lines and the user's selection.
 #pragma once
 
 #include <optional>
@@ -11,45 +11,46 @@
 
 namespace quadtune::internal {
 
-/// What separates the fields of a line.
+/// Separator between the fields of a line.
 enum class TextSeparator : char { kComma = ',', kSemicolon = ';', kTab = '\t', kBlanks = ' ' };
 
-/// What a column is read as.
+/// How a column is used.
 struct TextRole {
   enum class Kind { kPassedOver, kChannel, kTime } kind = Kind::kPassedOver;
-  std::size_t index = 0;  ///< of the channel, or of the part of the time
+  std::size_t index = 0;  ///< index of the channel, or of the part of the time
 };
 
-/// A clock whose unit nobody stated.
+/// A clock whose unit is not stated.
 struct UnstatedClock {
-  std::string name;    ///< what messages call it
-  std::string remedy;  ///< its name or number, as --columns takes it
-  bool usual = false;  ///< it is called t, which is in seconds as a rule
+  std::string name;    ///< name in messages
+  std::string remedy;  ///< its name or number for --columns
+  bool usual = false;  ///< its name is t, which usually means seconds
 };
 
 struct TextLayout {
   TextSeparator separator = TextSeparator::kBlanks;
-  std::vector<TextRole> roles;  ///< one a column of the file
+  std::vector<TextRole> roles;  ///< one per column of the file
   std::vector<LogChannel> channels;
-  std::vector<double> ticks;  ///< of the parts of the time, fewest a second first; may be empty
-  std::optional<UnstatedClock> unstated;  ///< the only part of the time, its ticks being a guess
-  std::vector<std::string> notes;         ///< what was taken without being told
+  /// Ticks per second of the parts of the time, increasing; may be empty
+  std::vector<double> ticks;
+  std::optional<UnstatedClock> unstated;  ///< the only part of the time, with an assumed unit
+  std::vector<std::string> notes;         ///< assumptions made without being told by the user
 };
 
 /// The separator of a line of names, or of numbers.
 [[nodiscard]] TextSeparator separator_of_names(std::string_view line);
 [[nodiscard]] TextSeparator separator_of_numbers(std::string_view line);
 
-/// The fields of a line of names, without quotes around them.
+/// Splits a line of names into its fields, without quotes.
 [[nodiscard]] std::vector<std::string> split_names(std::string_view line, TextSeparator separator);
 
-/// Whether one of the fields is a number: then the line is no line of names.
+/// Whether a field is a number, in which case the line does not contain names.
 [[nodiscard]] bool holds_a_number(std::string_view line, TextSeparator separator);
 
-/// @param names   Of the columns; empty for a text without a line of names.
-/// @param count   How many columns there are.
-/// @param where   What messages begin with.
-/// @throws InvalidInput  if a chosen column is not there.
+/// @param names   of the columns; empty for a text without a line of names
+/// @param count   number of columns
+/// @param where   beginning of messages
+/// @throws InvalidInput  if a chosen column does not exist
 [[nodiscard]] TextLayout text_layout(const std::vector<std::string>& names, std::size_t count,
                                      TextSeparator separator, const LogOptions& options,
                                      const std::string& where);

@@ -23,16 +23,17 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kTextBlockValues = 8192;               // 64 KiB: stays in the cache
-constexpr std::size_t kMostColumns = 10000;                  // more is no log
-constexpr std::size_t kLookedAhead = std::size_t{1} << 18U;  // [bytes] for the unit of the time
+constexpr std::size_t kTextBlockValues = 8192;  // 64 KiB: fits in the cache
+constexpr std::size_t kMaxColumns = 10000;      // a file with more is not a log
+// [bytes] used to infer the unit of the time
+constexpr std::size_t kLookedAhead = std::size_t{1} << 18U;
 constexpr std::size_t kTimesLookedAt = 64;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::string_view kOwnRows = "# rows,";
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-// Goes along a line, field by field.
+// Iterates over the fields of a line.
 class Fields {
  public:
   Fields(std::string_view line, TextSeparator separator)
@@ -40,11 +41,12 @@ class Fields {
     skip_blanks();
   }
 
-  // At the start of a field: whether there is none.
+  // Whether the field that begins here is empty.
   [[nodiscard]] bool empty() const { return at_ == end_ || is_separator(*at_); }
   [[nodiscard]] bool at_end() const { return at_ == end_; }
 
-  // The number that is the whole field, or NaN; then `bad` unless it says NaN itself.
+  // Parses the whole field as a number. The result is NaN if it is not one; `bad` is then set
+  // unless the field is NaN.
   double number(bool& bad) {
     if (*at_ == '+') ++at_;
     double value = kNaN;
@@ -70,7 +72,7 @@ class Fields {
     while (at_ != end_ && !is_separator(*at_)) ++at_;
   }
 
-  // From the end of a field to the start of the next; false where the line ends.
+  // Moves from the end of a field to the beginning of the next; false at the end of the line.
   bool next() {
     skip_blanks();
     if (at_ == end_) return false;
@@ -89,7 +91,7 @@ class Fields {
     while (at_ != end_ && is_blank(*at_) && (*at_ == ' ' || separator_ != TextSeparator::kTab))
       ++at_;
   }
-  // Blanks may stand between a number and a comma. What else follows makes it no number.
+  // Blanks may separate a number from a comma; any other text makes the field invalid.
   bool ends_field() {
     if (at_ == end_ || is_separator(*at_)) return true;
     skip_blanks();
@@ -141,9 +143,9 @@ class TextReader final : public LogReader {
   [[nodiscard]] std::int64_t epoch_s() const override { return clock_.epoch_s(); }
 
  private:
-  // Comments, the line of names if there is one, and the first row.
+  // Reads the comments, the line of names if there is one, and the first row.
   void read_head(const LogOptions& options) {
-    std::string comment;  // the last one, which may hold the names
+    std::string comment;  // the last comment, which may contain the names
     std::optional<std::string> first;
     while (const std::optional<std::string_view> line = lines_.next(condition_)) {
       std::string_view text = *line;
@@ -163,11 +165,11 @@ class TextReader final : public LogReader {
     }
     if (!first) {
       const bool names = !comment.empty() && !expected_rows_ && condition_.torn.empty();
-      if (names) first = comment;  // and no rows
+      if (names) first = comment;  // there are no rows
       if (!first)
         throw InvalidInput(lines_.name(), condition_.torn.empty()
                                               ? "is empty, expected a log"
-                                              : "has no whole line, expected a log");
+                                              : "has no complete line, expected a log");
     }
     const TextSeparator numbers = separator_of_numbers(*first);
     if (!holds_a_number(*first, numbers)) {
@@ -192,9 +194,9 @@ class TextReader final : public LogReader {
   }
 
   void require_columns(std::size_t count) const {
-    if (count > kMostColumns)
+    if (count > kMaxColumns)
       throw InvalidInput(lines_.where(),
-                         fmt::format("has {} columns, expected at most {}", count, kMostColumns));
+                         fmt::format("has {} columns, expected at most {}", count, kMaxColumns));
   }
 
   void read_row_count(std::string_view text) {
@@ -203,8 +205,8 @@ class TextReader final : public LogReader {
     if (error == std::errc() && end == text.data() + text.size()) expected_rows_ = rows;
   }
 
-  // Looks at the first rows: what unit their time is in where nobody said, and whether a time of 0
-  // can be meant.
+  // Inspects the first rows to infer the unit of their time if it is not stated, and to decide
+  // whether a time of 0 can be valid.
   void settle_clock() {
     std::vector<double> times;
     if (first_row_) add_time(*first_row_, times);
@@ -253,18 +255,18 @@ class TextReader final : public LogReader {
     layout_.ticks[0] = unit.ticks;
     if (unit.ticks == 1 && clock.usual && sample.step < kSlowStep) return;
     const std::string apart =
-        sample.step > 0 ? fmt::format(", samples being {:.4g} s apart", sample.step / unit.ticks)
+        sample.step > 0 ? fmt::format(", with samples {:.4g} s apart", sample.step / unit.ticks)
                         : "";
     condition_.notes.push_back(
         fmt::format("the clock {} states no unit and {}{}; if that is wrong, state it, as in {}",
                     clock.name, unit.reason, apart, remedy(unit.ticks == 1 ? "us" : "s")));
   }
 
-  /// Of a clock whose unit is stated.
+  /// For a clock with a stated unit.
   void check_unit(const ClockSample& sample) {
     if (!is_no_time(sample, layout_.ticks[0])) return;
     condition_.unclear_time = fmt::format(
-        "the clock is stated in {}, by which its values, such as {:.6g}, come after the year 2286: "
+        "the clock is stated in {}, but its values, such as {:.6g}, would be after the year 2286: "
         "state another unit",
         name_of_ticks(layout_.ticks[0]), sample.time);
     condition_.notes.push_back(condition_.unclear_time);
@@ -278,7 +280,7 @@ class TextReader final : public LogReader {
     if (is_comment(line)) return;
     Fields fields(line, layout_.separator);
     const std::size_t columns = layout_.channels.size();
-    // An empty line is a row only where the one column may be empty.
+    // An empty line is a row only if the only column may be empty.
     if (fields.at_end()) return;
     const double index = static_cast<double>(index_++);
     const std::size_t start = block.values.size();
@@ -290,7 +292,7 @@ class TextReader final : public LogReader {
       if (count < layout_.roles.size())
         read_field(fields, layout_.roles[count], values);
       else if (fields.at_end())
-        break;  // a separator at the end of the line
+        break;  // separator at the end of the line
       else
         fields.pass_over();
       more = fields.next();
@@ -340,7 +342,7 @@ class TextReader final : public LogReader {
     if (strays_.count++ == 0) strays_.where = lines_.where();
   }
 
-  // Fields of a row that is delivered.
+  // Counts the invalid fields of a delivered row.
   void note_bad_fields() {
     for (const std::size_t channel : bad_in_row_)
       if (bad_[channel].count++ == 0) bad_[channel].where = lines_.where();
@@ -360,24 +362,24 @@ class TextReader final : public LogReader {
     if (condition_.skipped > rows_)
       throw InvalidInput(
           lines_.name(),
-          fmt::format("{} of {} rows cannot be read, expected at most half of them, because this "
-                      "is no table then; the first: {}",
+          fmt::format("{} of {} rows cannot be read; with more than half of them unreadable, this "
+                      "is not a table; the first: {}",
                       condition_.skipped, rows_ + condition_.skipped, condition_.first_skipped));
     if (condition_.torn.empty() && expected_rows_ &&
         *expected_rows_ != rows_ + strays_.count + condition_.skipped)
-      condition_.torn = fmt::format("{}: has {} rows, expected {} as its head says", lines_.name(),
-                                    rows_, *expected_rows_);
+      condition_.torn = fmt::format("{}: has {} rows, expected {} as its header states",
+                                    lines_.name(), rows_, *expected_rows_);
     if (strays_.count > 0)
       condition_.notes.push_back(
-          fmt::format("{} of {} rows are at time 0, which was never set, and are left out: the "
-                      "others are at {:.6g} s and about; the first at {}",
+          fmt::format("{} of {} rows are at time 0 (clock not set) and are left out; the "
+                      "others are around {:.6g} s; the first at {}",
                       strays_.count, rows_ + strays_.count, typical_time_s_, strays_.where));
     for (std::size_t i = 0; i < bad_.size(); ++i)
       if (bad_[i].count > 0)
-        condition_.notes.push_back(
-            fmt::format("{} of {} fields of '{}' are no numbers that a double holds and are taken "
-                        "as missing, the first at {}",
-                        bad_[i].count, rows_, printable(layout_.channels[i].name), bad_[i].where));
+        condition_.notes.push_back(fmt::format(
+            "{} of {} fields of '{}' are not numbers in the range of a double and count "
+            "as missing, the first at {}",
+            bad_[i].count, rows_, printable(layout_.channels[i].name), bad_[i].where));
   }
 
   struct BadFields {
@@ -391,14 +393,14 @@ class TextReader final : public LogReader {
   TextLayout layout_;
   std::optional<std::string> first_row_;
   std::optional<std::uint64_t> expected_rows_;
-  std::vector<LogTicks> ticks_;  // of the row that is read
-  bool zero_is_stray_ = false;   // the clock stands far from 0
+  std::vector<LogTicks> ticks_;  // of the current row
+  bool zero_is_stray_ = false;   // the clock is far from 0
   double typical_time_s_ = 0;
-  BadFields strays_;            // rows at time 0 where it is stray
-  std::vector<BadFields> bad_;  // by channel
+  BadFields strays_;            // rows at time 0 while zero_is_stray_
+  std::vector<BadFields> bad_;  // per channel
   std::vector<std::size_t> bad_in_row_;
-  std::uint64_t index_ = 0;  // of the row that is read next
-  std::uint64_t rows_ = 0;   // delivered
+  std::uint64_t index_ = 0;  // number of the next row
+  std::uint64_t rows_ = 0;   // number of delivered rows
   bool finished_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// CSV and blank-separated text, with a line of names or without.
+/// Reader for CSV and blank-separated text, with or without a line of names.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace quadtune::internal {
 
-/// @param format  What the reader calls its format.
-/// @throws InvalidInput  if the stream holds no such text, or the options do not fit it.
+/// @param format  name that the reader reports as its format
+/// @throws InvalidInput  if the stream does not contain such text, or the options do not fit it
 [[nodiscard]] std::unique_ptr<LogReader> open_text(ByteStream stream, const LogOptions& options,
                                                    const std::string& format);
 

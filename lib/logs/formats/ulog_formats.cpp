@@ -18,11 +18,13 @@
 namespace quadtune::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "records are copied as they are");
+static_assert(std::endian::native == std::endian::little,
+              "records are copied without byte swapping");
 
-constexpr std::size_t kMostFormats = 4096;
-constexpr std::size_t kMostBytes = 65535;  // of a record: its size has 16 bits
-constexpr std::size_t kMostSteps = 65536;  // of unfolding: types without bytes could nest for ever
+constexpr std::size_t kMaxFormats = 4096;
+constexpr std::size_t kMaxBytes = 65535;  // per record, whose size field has 16 bits
+// Of unfolding: types without bytes could nest indefinitely
+constexpr std::size_t kMaxSteps = 65536;
 constexpr int kDeepest = 16;
 
 struct BasicType {
@@ -105,7 +107,7 @@ std::string UlogFormats::add(std::string_view definition) {
   const std::size_t colon = definition.find(':');
   if (colon == std::string_view::npos || colon == 0) return "a format without a name";
   const std::string name(definition.substr(0, colon));
-  if (formats_.size() == kMostFormats) return fmt::format("more than {} formats", kMostFormats);
+  if (formats_.size() == kMaxFormats) return fmt::format("more than {} formats", kMaxFormats);
   std::vector<Field> fields;
   for (std::string_view rest = definition.substr(colon + 1); !trimmed(rest).empty();) {
     const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -120,9 +122,9 @@ std::string UlogFormats::add(std::string_view definition) {
     if (const std::size_t bracket = type.find('['); bracket != std::string_view::npos) {
       const char* const last = type.data() + type.size();
       const auto [stop, error] = std::from_chars(type.data() + bracket + 1, last, count);
-      if (error != std::errc() || count == 0 || count > kMostBytes ||
+      if (error != std::errc() || count == 0 || count > kMaxBytes ||
           std::string_view(stop, last) != "]")
-        return fmt::format("field '{}' of format '{}' is an array of no known length",
+        return fmt::format("field '{}' of format '{}' is an array of unknown length",
                            printable(field), printable(name));
       type = type.substr(0, bracket);
     }
@@ -132,7 +134,7 @@ std::string UlogFormats::add(std::string_view definition) {
   return "";
 }
 
-// Takes a topic apart, field by field.
+// Expands a topic field by field.
 class UlogFormats::Unfolder {
  public:
   Unfolder(const UlogFormats& formats, UlogLayout& layout) : formats_(formats), layout_(layout) {}
@@ -141,7 +143,7 @@ class UlogFormats::Unfolder {
     const auto found = formats_.formats_.find(topic);
     if (found == formats_.formats_.end())
       return fmt::format("no format '{}' is defined", printable(topic));
-    if (depth > kDeepest) return fmt::format("formats lie more than {} deep", kDeepest);
+    if (depth > kDeepest) return fmt::format("formats are nested more than {} deep", kDeepest);
     for (const Field& field : found->second) {
       if (std::string problem = unfold(field, prefix, depth); !problem.empty()) return problem;
     }
@@ -158,13 +160,13 @@ class UlogFormats::Unfolder {
       return advance(bytes, field.type == kLetter && !field.name.starts_with(kPadding));
     }
     for (std::size_t i = 0; i < count; ++i) {
-      if (++steps_ > kMostSteps) return fmt::format("a topic of more than {} fields", kMostSteps);
+      if (++steps_ > kMaxSteps) return fmt::format("a topic of more than {} fields", kMaxSteps);
       const std::string entry = field.count == 0 ? name : fmt::format("{}[{}]", name, i);
       std::string problem;
       if (basic == nullptr) {
         problem = unfold(field.type, entry + ".", depth + 1);
       } else {
-        add({basic->type, layout_.most}, entry, depth == 0 && field.count == 0);
+        add({basic->type, layout_.max}, entry, depth == 0 && field.count == 0);
         problem = advance(basic->bytes, true);
       }
       if (!problem.empty()) return problem;
@@ -179,15 +181,14 @@ class UlogFormats::Unfolder {
       return;
     }
     layout_.leaves.push_back(leaf);
-    // Endings of PX4's names are no units: gyro_rad is in rad/s.
+    // Suffixes of PX4's names are not units: gyro_rad is in rad/s.
     layout_.channels.push_back({name, ""});
   }
 
   std::string advance(std::size_t bytes, bool needed) {
-    layout_.most += bytes;
-    if (needed) layout_.least = layout_.most;
-    return layout_.most > kMostBytes ? fmt::format("a record of more than {} bytes", kMostBytes)
-                                     : "";
+    layout_.max += bytes;
+    if (needed) layout_.min = layout_.max;
+    return layout_.max > kMaxBytes ? fmt::format("a record of more than {} bytes", kMaxBytes) : "";
   }
 
   const UlogFormats& formats_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the topics of a PX4 ULog are made of.
+/// Definitions of the topics in a PX4 ULog.
 #pragma once
 
 #include <cstddef>
@@ -26,42 +26,44 @@ enum class UlogType : char {
   kBool
 };
 
-/// One number within a record.
+/// A number within a record.
 struct UlogLeaf {
   UlogType type;
-  std::size_t offset;  ///< [bytes] from the start of the record
+  std::size_t offset;  ///< [bytes] from the beginning of the record
 };
 
-/// A topic taken apart to its numbers: arrays and nested types entry by entry, texts left out.
+/// A topic expanded to its numbers: arrays and nested types entry by entry, without texts.
 struct UlogLayout {
   std::vector<UlogLeaf> leaves;
-  std::vector<LogChannel> channels;  ///< one a leaf: "x", "q[2]", "esc[0].rpm"
-  bool timed = false;                ///< it begins a field `timestamp` [us], which is no channel
+  std::vector<LogChannel> channels;  ///< one per leaf: "x", "q[2]", "esc[0].rpm"
+  /// It begins with a field `timestamp` [us], which is not a channel
+  bool timed = false;
   UlogLeaf timestamp{UlogType::kUint64, 0};
-  std::size_t least = 0;  ///< [bytes] of a record; padding at its end need not be written
-  std::size_t most = 0;
+  std::size_t min = 0;  ///< minimum size of a record [bytes]; padding at its end may be omitted
+  std::size_t max = 0;
 };
 
-/// The value of a leaf in a record that has it.
+/// Value of a leaf in a record that contains it.
 [[nodiscard]] double ulog_value(const UlogLeaf& leaf, std::string_view record);
-/// Likewise of a whole number.
+/// Value of an integer leaf.
 [[nodiscard]] std::uint64_t ulog_whole(const UlogLeaf& leaf, std::string_view record);
 
 /// The formats that a log defines.
 class UlogFormats {
  public:
-  /// Takes a definition, "name:uint64_t timestamp;float[3] x;".
-  /// @return  why it cannot be taken; "" if it was.
+  /// Adds a definition such as "name:uint64_t timestamp;float[3] x;".
+  /// @return  why the definition is invalid; empty if it was added
   std::string add(std::string_view definition);
 
-  /// @return  why there is none; "" with `layout` filled.
+  /// Expands a topic into `layout`.
+  /// @return  why this is not possible; empty if `layout` is filled
   std::string layout(const std::string& topic, UlogLayout& layout) const;
 
  private:
   struct Field {
     std::string type;
     std::string name;
-    std::size_t count;  // 0: no array
+    std::size_t count;  // 0: not an array
   };
   class Unfolder;
 

@@ -30,13 +30,13 @@ constexpr std::size_t kHeaderSize = 16;  // magic, version, time
 constexpr std::size_t kMessageHeader = 3;
 constexpr std::string_view kKnownTypes = "ABCDFILMOPQRS";
 constexpr std::string_view kSync = "\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
-constexpr std::size_t kMostChannels = 200000;
-constexpr std::size_t kMostUlogGroups = 10000;
+constexpr std::size_t kMaxChannels = 200000;
+constexpr std::size_t kMaxUlogGroups = 10000;
 constexpr std::size_t kUlogBlockValues = 4096;
 constexpr double kUlogTicks = 1e6;       // microseconds
-constexpr std::size_t kTopicNumber = 2;  // [bytes] before a record
+constexpr std::size_t kTopicNumber = 2;  // [bytes] before the record's data
 constexpr std::uint64_t kLastTime = std::numeric_limits<std::int64_t>::max();  // [us]
-constexpr std::uint64_t kFarFromStart = 1'000'000;        // [us]: no logger is that quick
+constexpr std::uint64_t kFarFromStart = 1'000'000;        // [us]: no logger starts that quickly
 constexpr std::uint64_t kOtherClock = 1'000'000'000'000;  // [us] = 1e6 s
 constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
@@ -52,15 +52,15 @@ class UlogReader final : public LogReader {
   UlogReader(ByteStream stream, const LogOptions& options)
       : LogReader("ulog"), stream_(std::move(stream)), clock_(options.epoch_s) {
     if (!is_ulog(stream_.peek(kMagic.size())))
-      throw InvalidInput(stream_.name(), "does not begin as a ULog does, expected one");
+      throw InvalidInput(stream_.name(), "does not begin like a ULog file");
     const std::string_view header = stream_.peek(kHeaderSize);
     if (header.size() < kHeaderSize)
-      throw InvalidInput(stream_.name(), "has no whole header, expected a ULog; is it cut short?");
+      throw InvalidInput(stream_.name(), "has no complete ULog header; is it cut short?");
     latest_ = read_number<std::uint64_t>(header, kMagic.size() + 1);
     stream_.skip(kHeaderSize);
   }
 
-  // A block ends where another topic comes, so that the file's order is kept.
+  // A block ends at the first record of another topic, to keep the order of the file.
   bool next(LogBlock& block) override {
     block.time.clear();
     block.values.clear();
@@ -70,9 +70,10 @@ class UlogReader final : public LogReader {
       if (!message) break;
       if (message->type == 'D') {
         const Topic* const topic = topic_of(message->body);
-        if (topic != nullptr && group && topic->group != *group) break;  // stays for the next block
+        // Remains for the next block
+        if (topic != nullptr && group && topic->group != *group) break;
         if (topic != nullptr && !is_stray(*topic, message->body)) {
-          // Anew: looking ahead may have moved it.
+          // Peek again, since looking ahead may have moved the buffer.
           const std::string_view whole = stream_.peek(kMessageHeader + message->body.size());
           add_row(topic->layout, whole.substr(kMessageHeader + kTopicNumber), block);
           group = topic->group;
@@ -107,14 +108,14 @@ class UlogReader final : public LogReader {
                 fmt::format("{}: {} at offset {}", stream_.name(), why, stream_.offset()));
   }
 
-  // The message at the stream's place, which it does not leave yet.
+  // Reads the message at the current position without consuming it.
   std::optional<Message> next_message() {
     while (condition_.torn.empty()) {
       if (stream_.offset() == border()) ++borders_passed_;
       const std::string_view head = stream_.peek(kMessageHeader);
       if (head.empty()) {
         if (border() != kNowhere)
-          tear(fmt::format("the file ends before the data that are appended at {}", border()));
+          tear(fmt::format("the file ends before the appended data at {}", border()));
         return std::nullopt;
       }
       if (head.size() < kMessageHeader) {
@@ -124,7 +125,7 @@ class UlogReader final : public LogReader {
       const std::size_t size = read_number<std::uint16_t>(head, 0);
       const char type = head[2];
       if (stream_.offset() + kMessageHeader + size > border()) {
-        // The log was cut off, by a crash, where data were appended later.
+        // The log was interrupted, e.g. by a crash, and the data were appended later.
         skip("a message is cut by appended data");
         stream_.skip(border() - stream_.offset());
         continue;
@@ -143,8 +144,8 @@ class UlogReader final : public LogReader {
     return std::nullopt;
   }
 
-  // A message of a kind that came after this reader, or no message: then the next mark that the
-  // logger set now and then is looked for.
+  // A message of unknown type, or no message: continue at the next synchronization mark, which the
+  // logger writes from time to time.
   void pass_unknown(std::size_t size, char type) {
     const std::size_t length = kMessageHeader + size;
     const std::string_view with_next = stream_.peek(length + kMessageHeader);
@@ -165,7 +166,7 @@ class UlogReader final : public LogReader {
       }
       if (window.size() < kSync.size() || stream_.offset() + window.size() == border() ||
           window.size() < ByteStream::kWindow) {
-        tear("nothing that can be read follows");
+        tear("no readable data follow");
         return;
       }
       stream_.skip(window.size() - kSync.size() + 1);
@@ -196,12 +197,12 @@ class UlogReader final : public LogReader {
           condition_.dropout_s += 1e-3 * read_number<std::uint16_t>(message.body, 0);
         return;
       default:
-        return;  // information, parameters, texts, marks
+        return;  // information, parameters, texts, synchronization marks
     }
   }
 
   void take_flags(std::string_view body) {
-    constexpr std::size_t kFlags = 8;  // compatible ones, then incompatible ones
+    constexpr std::size_t kFlags = 8;  // compatible flags, then incompatible flags
     constexpr std::size_t kSize = 2 * kFlags + 3 * sizeof(std::uint64_t);
     if (body.size() < kSize) {
       skip("flags without their offsets");
@@ -210,15 +211,15 @@ class UlogReader final : public LogReader {
     for (std::size_t i = 0; i < kFlags; ++i)
       if ((static_cast<unsigned char>(body[kFlags + i]) & (i == 0 ? 0xfeU : 0xffU)) != 0)
         throw InvalidInput(stream_.name(),
-                           "has flags that a reader must know and this one does not, expected no "
-                           "more than appended data: it is of a later kind of ULog");
+                           "has incompatible flags that this reader does not know, expected at "
+                           "most the flag for appended data: it is a newer version of ULog");
     for (std::size_t i = 0; i < 3; ++i) {
       const auto offset = read_number<std::uint64_t>(body, 2 * kFlags + 8 * i);
       if (offset == 0) break;
       const std::uint64_t before =
           borders_.empty() ? stream_.offset() + kMessageHeader + body.size() : borders_.back() + 1;
       if (offset < before) {
-        skip(fmt::format("appended data at {}, which is before their place", offset));
+        skip(fmt::format("appended data at {}, which is not after the preceding data", offset));
         break;
       }
       borders_.push_back(offset);
@@ -244,22 +245,22 @@ class UlogReader final : public LogReader {
     const auto place = static_cast<std::size_t>(same - groups().begin());
     if (same != groups().end() &&
         (same->channels != entry.layout.channels || same->timed != entry.layout.timed)) {
-      skip(fmt::format("topic '{}' comes again with other fields", printable(name)));
+      skip(fmt::format("topic '{}' is subscribed again with different fields", printable(name)));
       return;
     }
     entry.group = place;
     if (same == groups().end()) {
       channels_ += entry.layout.channels.size() + 1;
-      if (channels_ > kMostChannels || groups().size() == kMostUlogGroups)
+      if (channels_ > kMaxChannels || groups().size() == kMaxUlogGroups)
         throw InvalidInput(stream_.name(),
                            fmt::format("has more than {} channels or {} topics, expected fewer",
-                                       kMostChannels, kMostUlogGroups));
+                                       kMaxChannels, kMaxUlogGroups));
       add_group({name, entry.layout.channels, entry.layout.timed});
     }
     topics_.insert_or_assign(id, std::move(entry));
   }
 
-  // The topic of a record that can be read.
+  // The topic of a record, if the record can be read.
   const Topic* topic_of(std::string_view body) {
     if (body.size() < kTopicNumber) {
       skip("a record without a topic");
@@ -273,18 +274,18 @@ class UlogReader final : public LogReader {
     }
     const UlogLayout& layout = found->second.layout;
     const std::string_view record = body.substr(kTopicNumber);
-    if (record.size() < layout.least || record.size() > layout.most) {
-      skip(fmt::format("a record of {} bytes, expected {}", record.size(), layout.most));
+    if (record.size() < layout.min || record.size() > layout.max) {
+      skip(fmt::format("a record of {} bytes, expected {}", record.size(), layout.max));
       return nullptr;
     }
     if (layout.timed && ulog_whole(layout.timestamp, record) > kLastTime) {
-      skip("a record at no time");
+      skip("a record with an invalid time");
       return nullptr;
     }
     return &found->second;
   }
 
-  // PX4 leaves a time at 0 that it never set; only where logging began at 0 it is one.
+  // PX4 writes 0 for a time that was never set; 0 is valid only if logging began at 0.
   bool is_stray(const Topic& topic, std::string_view body) {
     if (!topic.layout.timed) return false;
     const std::uint64_t ticks = ulog_whole(topic.layout.timestamp, body.substr(kTopicNumber));
@@ -300,7 +301,7 @@ class UlogReader final : public LogReader {
     return true;
   }
 
-  // Of the next record with a time that is not 0, as far as one can look ahead [us]; else 0.
+  // Time of the next record with a time other than 0, within the look-ahead [us]; otherwise 0.
   std::uint64_t next_time() {
     const std::string_view ahead = stream_.peek(ByteStream::kWindow);
     for (std::size_t at = 0; at + kMessageHeader <= ahead.size();) {
@@ -309,7 +310,7 @@ class UlogReader final : public LogReader {
       if (ahead[at + 2] == 'D' && body.size() == size && size > kTopicNumber) {
         const auto topic = topics_.find(read_number<std::uint16_t>(body, 0));
         if (topic != topics_.end() && topic->second.layout.timed &&
-            size - kTopicNumber >= topic->second.layout.least)
+            size - kTopicNumber >= topic->second.layout.min)
           if (const std::uint64_t time =
                   ulog_whole(topic->second.layout.timestamp, body.substr(kTopicNumber));
               time != 0)
@@ -323,8 +324,8 @@ class UlogReader final : public LogReader {
   void report_strays() {
     if (strays_ == 0) return;
     condition_.notes.push_back(
-        fmt::format("{} {} at time 0, which was never set, and left out, the first of '{}'",
-                    strays_, strays_ == 1 ? "record is" : "records are", printable(first_stray_)));
+        fmt::format("{} {} at time 0 (clock not set) and left out, the first of '{}'", strays_,
+                    strays_ == 1 ? "record is" : "records are", printable(first_stray_)));
     strays_ = 0;
   }
 
@@ -340,14 +341,16 @@ class UlogReader final : public LogReader {
   ByteStream stream_;
   LogClock clock_;
   UlogFormats formats_;
-  std::unordered_map<std::uint16_t, Topic> topics_;  // by the number that records name them with
-  std::vector<std::uint64_t> borders_;               // where appended data begin
+  // By the number with which records refer to them
+  std::unordered_map<std::uint16_t, Topic> topics_;
+  std::vector<std::uint64_t> borders_;  // offsets at which appended data begin
   std::size_t borders_passed_ = 0;
-  std::size_t channels_ = 0;            // of all groups
-  std::uint64_t latest_ = 0;            // time that was read and is not 0, the header's first [us]
-  std::optional<std::uint64_t> ahead_;  // next_time() of the first record at 0
-  std::uint64_t strays_ = 0;            // records whose time was never set
-  std::string first_stray_;             // the group of the first
+  std::size_t channels_ = 0;  // in all groups
+  // Last time that was read and is not 0, initially that of the header [us]
+  std::uint64_t latest_ = 0;
+  std::optional<std::uint64_t> ahead_;  // next_time() at the first record with time 0
+  std::uint64_t strays_ = 0;            // number of records whose time was not set
+  std::string first_stray_;             // group of the first of them
 };
 
 }  // namespace

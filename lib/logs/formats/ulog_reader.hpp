@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PX4's ULog.
+/// Reader for PX4's ULog.
 #pragma once
 
 #include <memory>
@@ -10,11 +10,11 @@
 
 namespace quadtune::internal {
 
-/// Whether a file begins as a ULog does.
+/// Whether a file begins like a ULog file.
 [[nodiscard]] bool is_ulog(std::string_view bytes);
 
 /// Each instance of a topic becomes a group: "sensor_baro", "sensor_baro.1".
-/// @throws InvalidInput  for bytes that are no ULog, or one that no reader of today may read.
+/// @throws InvalidInput  if the bytes are not a ULog, or a newer version with incompatible flags
 [[nodiscard]] std::unique_ptr<LogReader> open_ulog(ByteStream stream, const LogOptions& options);
 
 }  // namespace quadtune::internal

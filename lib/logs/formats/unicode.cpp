@@ -8,7 +8,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr char32_t kFirstPair = 0x10000;  // from here on UTF-16 needs two units
+constexpr char32_t kFirstPair = 0x10000;  // first character that needs two UTF-16 units
 
 bool is_surrogate(char32_t c) { return c >= 0xd800 && c < 0xe000; }
 

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kReadings = 11;
 constexpr std::size_t kTemperature = 9;
-constexpr double kDegrees = 0.1;   // of a count of the temperature [degC]
-constexpr double kSeconds = 1e-6;  // of a tick of T_us
+constexpr double kDegrees = 0.1;   // [degC] per count of the temperature
+constexpr double kSeconds = 1e-6;  // per tick of T_us
 constexpr std::size_t kBlockRows = 512;
 
 const std::array<LogChannel, kReadings> kChannels = {{{"acc_x", "1"},
@@ -86,7 +86,8 @@ class FrameReader final : public LogReader {
   void read(std::string_view line, LogBlock& block) {
     const std::optional<Frame> frame = frame_of(line);
     if (!frame) {
-      skip_record(condition_, lines_.where() + ": is no frame, expected A, T_us, 11 numbers and Z");
+      skip_record(condition_,
+                  lines_.where() + ": is not a frame, expected A, T_us, 11 numbers and Z");
       return;
     }
     if (!first_) elapsed_us_ += frame->T_us;
@@ -132,7 +133,7 @@ std::unique_ptr<LogReader> open_uquad_log(ByteStream stream, const LogOptions& o
   if (with_period) named.columns.push_back({"T_us", "us", "3", 0});
   for (std::size_t i = 0; i < kReadings; ++i) {
     LogChannel channel = kChannels[i];
-    if (i == kTemperature) channel.unit = "0.1 degC";  // as it stands in the file
+    if (i == kTemperature) channel.unit = "0.1 degC";  // the unit of the numbers in the file
     named.columns.push_back(channel_choice(channel, columns - kReadings + i + 1));
   }
   return open_text(std::move(stream), named, "uquad-log");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The uquad's logs: raw frames of its IMU, and the main program's log of them.
+/// Readers for the uquad's logs: raw frames of its IMU, and the log that its main program writes.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,15 @@
 
 namespace quadtune::internal {
 
-/// Whether the first line of a file is a frame: A, eleven numbers and the time before them, Z.
+/// Whether the first line of a file is a frame: A, the time, eleven numbers, Z.
 [[nodiscard]] bool is_uquad_frame(std::string_view line);
 
-/// "A T_us acc gyro magn temperature pressure Z", T_us the time since the frame before [us]. The
-/// first frame is at 0.
+/// Opens frames "A T_us acc gyro magn temperature pressure Z", where T_us is the time since the
+/// previous frame [us]. The first frame is at time 0.
 [[nodiscard]] std::unique_ptr<LogReader> open_uquad_frames(ByteStream stream,
                                                            const LogOptions& options);
 
-/// imu_raw.log: seconds, microseconds, then what a frame holds, with or without its T_us.
+/// Opens imu_raw.log: seconds, microseconds, then the numbers of a frame, with or without T_us.
 [[nodiscard]] std::unique_ptr<LogReader> open_uquad_log(ByteStream stream,
                                                         const LogOptions& options);
 

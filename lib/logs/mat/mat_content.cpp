@@ -23,7 +23,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kKindSize = 520;  // [bytes] that tell MAT v5 from v7.3
+constexpr std::size_t kKindSize = 520;  // [bytes] that distinguish MAT v5 from v7.3
 
 struct Tag {
   std::uint32_t type = 0;
@@ -37,8 +37,9 @@ Tag tag_at(std::string_view bytes) {
   return tag;
 }
 
-// Inflates a whole stream behind `bytes`; false where it is damaged. zlib compares its checksum.
-// What was inflated stays charged even then, which bounds the time that damaged streams take.
+// Inflates a whole stream and appends it to `bytes`; false if the stream is damaged. zlib compares
+// its checksum. Inflated bytes remain charged even then, which bounds the time spent on damaged
+// streams.
 bool inflate_behind(std::string& bytes, std::string_view compressed, MemoryBudget& budget) {
   z_stream z{};
   if (inflateInit(&z) != Z_OK) return false;
@@ -55,7 +56,7 @@ bool inflate_behind(std::string& bytes, std::string_view compressed, MemoryBudge
     status = inflate(&z, Z_NO_FLUSH);
     bytes.resize(done + kStep - z.avail_out);
     budget.charge(bytes.size() - done);
-    if (status == Z_OK && z.avail_in == 0 && z.avail_out > 0) break;  // it wants more than there is
+    if (status == Z_OK && z.avail_in == 0 && z.avail_out > 0) break;  // the stream is truncated
   }
   return status == Z_STREAM_END;
 }
@@ -83,7 +84,7 @@ class Decoder {
     return fmt::format("{}: {} at offset {}", stream_.name(), what, offset);
   }
 
-  // The next element with its tag; false at the end of what can be read.
+  // Reads the next element with its tag; false at the end of the readable data.
   bool read_element() {
     const std::uint64_t start = stream_.offset();
     const std::string_view head = stream_.peek(kMatTagSize);
@@ -123,10 +124,10 @@ class Decoder {
     return true;
   }
 
-  // @param bytes  A file of its own, with the header.
+  // @param bytes  a complete file with header and one variable
   void read_variable(std::string bytes, std::uint64_t start) {
     if (MatType{tag_at(std::string_view(bytes).substr(kMatHeaderSize)).type} != MatType::matrix) {
-      skip_record(content_.condition, at(start, "an element that is no variable"));
+      skip_record(content_.condition, at(start, "an element that is not a variable"));
       return;
     }
     bytes_.push_back(std::move(bytes));
@@ -142,7 +143,7 @@ class Decoder {
   ByteStream& stream_;
   MemoryBudget budget_;
   std::string header_;
-  std::deque<std::string> bytes_;  // of the variables, which refer to them
+  std::deque<std::string> bytes_;  // of the variables, which contain views of them
   std::vector<MatArray> variables_;
   MatContent content_;
 };

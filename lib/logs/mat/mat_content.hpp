@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A MAT v5 file, compressed or not, decoded in this process.
+/// Decodes a MAT v5 file, compressed or not, within this process.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace quadtune::internal {
 
-/// A group with its numbers, whole.
+/// A group with all of its values.
 struct MatTable {
   LogGroup group;
-  std::vector<double> time;                  ///< [s]; empty where the group is not timed
-  std::vector<std::vector<double>> columns;  ///< one a channel, all of one length
+  std::vector<double> time;                  ///< [s]; empty if the group has no times
+  std::vector<std::vector<double>> columns;  ///< one per channel, all of the same length
 
   [[nodiscard]] std::size_t rows() const {
     return columns.empty() ? time.size() : columns.front().size();
@@ -26,11 +26,11 @@ struct MatContent {
   LogCondition condition;
 };
 
-/// Takes the file apart variable by variable. Compressed ones are inflated with their checksum, and
-/// one that is damaged is skipped.
-/// @param memory_limit  Of all variables, inflated, and of the tables [bytes].
-/// @throws InvalidInput  for a file of another kind, one of which nothing can be read, or one that
-///                       needs more memory.
+/// Decodes the file variable by variable. Compressed variables are inflated and their checksums
+/// verified; damaged ones are skipped.
+/// @param memory_limit  for all inflated variables and for the tables [bytes]
+/// @throws InvalidInput  if the file has another format, no part of it can be read, or it needs
+///                       more memory
 [[nodiscard]] MatContent decode_mat(ByteStream& stream, std::size_t memory_limit);
 
 }  // namespace quadtune::internal

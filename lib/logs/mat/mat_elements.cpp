@@ -16,7 +16,7 @@ namespace quadtune::internal {
 namespace {
 
 constexpr std::size_t kMaxDimensions = 16;
-constexpr int kMaxDepth = 32;  // far more than a log has, far less than the stack holds
+constexpr int kMaxDepth = 32;  // far more than a log needs, far less than the stack allows
 
 template <typename Number>
 Number element_number(std::string_view bytes, std::size_t at) {
@@ -41,7 +41,7 @@ class Parser {
       const Element element = next(at, bytes_.size());
       if (element.type == MatType::compressed)
         throw InvalidInput(origin_,
-                           "is compressed, expected a MAT file that is not: save it with -v6");
+                           "is compressed, expected an uncompressed MAT file: save it with -v6");
       if (element.type == MatType::matrix) found.push_back(array_of(element, 1));
     }
     return found;
@@ -50,7 +50,7 @@ class Parser {
  private:
   [[noreturn]] void refuse(std::size_t at, const std::string& what) const {
     throw InvalidInput(
-        origin_, fmt::format("{} at offset {}, expected a whole MAT v5 file; is it cut short or "
+        origin_, fmt::format("{} at offset {}, expected a complete MAT v5 file; is it cut short or "
                              "damaged?",
                              what, at));
   }
@@ -59,13 +59,13 @@ class Parser {
     return static_cast<std::size_t>(data.data() - bytes_.data());
   }
 
-  // The element at `at`, which moves behind it.
+  // Reads the element at `at` and moves `at` behind it.
   Element next(std::size_t& at, std::size_t end) const {
     const std::size_t start = at;
-    if (end - at < kMatTagSize) refuse(start, "an element has no whole tag");
+    if (end - at < kMatTagSize) refuse(start, "an element has no complete tag");
     auto type = element_number<std::uint32_t>(bytes_, at);
     std::size_t size = element_number<std::uint32_t>(bytes_, at + 4);
-    const bool small = type > 0xffff;  // up to four bytes, in the tag itself
+    const bool small = type > 0xffff;  // up to four bytes, within the tag
     if (small) {
       size = type >> 16U;
       type &= 0xffffU;
@@ -77,10 +77,12 @@ class Parser {
     return {MatType{type}, bytes_.substr(data, size)};
   }
 
-  // Its elements in order: flags, dimensions, name, then numbers or letters; or the length of a
-  // name, the names and the arrays of a struct; or the arrays of a cell.
+  // Reads an array. Its elements are, in this order: flags, dimensions, name; then numbers or
+  // characters; or the length of a name, the names and the arrays of a struct; or the arrays of a
+  // cell.
   MatArray array_of(const Element& matrix, int depth) {
-    if (depth > kMaxDepth) refuse(offset(matrix.data), fmt::format("an array lies {} deep", depth));
+    if (depth > kMaxDepth)
+      refuse(offset(matrix.data), fmt::format("an array is nested {} deep", depth));
     budget_.charge(sizeof(MatArray));
     MatArray array;
     std::size_t at = offset(matrix.data);
@@ -121,7 +123,7 @@ class Parser {
     array.complex = (word & kComplex) != 0;
   }
 
-  // Each entry of what a log holds takes a byte or more.
+  // Every entry of a log occupies at least one byte.
   void read_dimensions(const Element& element, std::size_t max_entries, MatArray& array) {
     const std::size_t count = element.data.size() / sizeof(std::int32_t);
     if (element.type != MatType::int32 || count < 2 || count > kMaxDimensions ||
@@ -162,7 +164,7 @@ class Parser {
     return static_cast<std::size_t>(length);
   }
 
-  // Names in slots of one length, with NUL behind them.
+  // Names in slots of equal length, terminated by NUL.
   void read_fields(const Element& element, std::size_t length, MatArray& array) {
     const std::size_t count = element.data.size() / length;
     budget_.charge(count * sizeof(std::string_view));
@@ -188,7 +190,7 @@ class Parser {
 
 void require_mat_header(std::string_view bytes, const std::string& origin) {
   constexpr std::string_view kHdf5 = "\x89HDF\r\n\x1a\n";
-  constexpr std::size_t kHdf5Offset = 512;  // behind the header of a v7.3 file
+  constexpr std::size_t kHdf5Offset = 512;  // after the header of a v7.3 file
   if (bytes.starts_with(kHdf5) ||
       bytes.substr(std::min(kHdf5Offset, bytes.size())).starts_with(kHdf5))
     throw InvalidInput(origin,
@@ -201,10 +203,10 @@ void require_mat_header(std::string_view bytes, const std::string& origin) {
   const auto order = element_number<std::uint16_t>(bytes, 126);
   if (order == 0x494d)
     throw InvalidInput(origin,
-                       "was written on a machine of the other byte order, expected this "
+                       "was written on a machine with the opposite byte order, expected this "
                        "machine's");
   if (order != 0x4d49 || version != 0x0100)
-    throw InvalidInput(origin, "is no MAT v5 file, expected one: its header says otherwise");
+    throw InvalidInput(origin, "is not a MAT v5 file according to its header");
 }
 
 std::vector<MatArray> parse_mat(std::string_view bytes, const std::string& origin,

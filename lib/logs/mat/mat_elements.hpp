@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bytes of a MAT v5 file as arrays.
+/// Parses the bytes of a MAT v5 file into arrays.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace quadtune::internal {
 
-/// The variables of a file that is not compressed. No claim in the file is trusted: every element
-/// must lie within the one that holds it, the last one must end with the file, arrays of numbers
-/// and texts must have exactly the bytes of the entries that they claim, and structs and cells must
-/// hold as many arrays as they claim.
-/// @param bytes   With the header. They must outlive the arrays.
-/// @param origin  What messages call the file.
-/// @throws InvalidInput    with what is there instead, or for a file that is compressed.
-/// @throws std::bad_alloc  beyond the budget.
+/// Parses the variables of an uncompressed file. No size in the file is trusted: every element must
+/// lie within the one that contains it, the last one must end with the file, numeric and text
+/// arrays must have exactly the bytes of their stated entries, and structs and cells must contain
+/// the stated number of arrays.
+/// @param bytes   including the header; they must outlive the arrays
+/// @param origin  name of the file in messages
+/// @throws InvalidInput    if the file is malformed, with a description, or compressed
+/// @throws std::bad_alloc  if the budget is exceeded
 [[nodiscard]] std::vector<MatArray> parse_mat(std::string_view bytes, const std::string& origin,
                                               MemoryBudget& budget);
 
-/// Refuses other kinds of files than MAT v5 of this machine's byte order.
-/// @param bytes  The first 520, or all of a shorter file.
-/// @throws InvalidInput  with the kind that it is.
+/// Rejects files other than MAT v5 in this machine's byte order.
+/// @param bytes  the first 520, or all of a shorter file
+/// @throws InvalidInput  naming the actual kind of file
 void require_mat_header(std::string_view bytes, const std::string& origin);
 
 }  // namespace quadtune::internal

@@ -9,13 +9,13 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kLongestName = 63;
-constexpr int kDeepest = 4;  // structs within structs; dots of a name beyond that become '_'
+constexpr std::size_t kMaxName = 63;
+constexpr int kDeepest = 4;  // levels of nested structs; further dots in a name are replaced by '_'
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Of MATLAB and of Octave, which has the long ends.
+// Keywords of MATLAB and of Octave, which has the long "end…" forms.
 bool is_keyword(const std::string& name) {
   constexpr std::string_view kKeywords =
       " break case catch classdef continue do else elseif end end_try_catch end_unwind_protect "
@@ -28,21 +28,21 @@ bool is_keyword(const std::string& name) {
 std::string identifier(std::string_view text) {
   std::string name;
   for (const char c : text)
-    if ((static_cast<unsigned char>(c) & 0xc0U) != 0x80)  // one '_' for each letter of UTF-8
+    if ((static_cast<unsigned char>(c) & 0xc0U) != 0x80)  // one '_' per UTF-8 character
       name += is_letter(c) || is_digit(c) ? c : '_';
   if (name.empty() || !is_letter(name[0]) || is_keyword(name)) name.insert(0, "x");
-  return name.substr(0, kLongestName);
+  return name.substr(0, kMaxName);
 }
 
-// What FieldTree does not tell: which struct a part of a name has become. "a-b.c" and "a_b.c" are
-// in two.
+// Data that FieldTree does not contain: the struct of each part of a name. "a-b.c" and "a_b.c" are
+// in different structs.
 struct Group {
   FieldNames names;
-  std::size_t place = 0;  ///< among the fields of the struct around it
+  std::size_t place = 0;  ///< index among the fields of the enclosing struct
   std::unordered_map<std::string, std::unique_ptr<Group>> groups = {};
 };
 
-// Puts a column below `tree`, appends its fields to `path`.
+// Inserts a column below `tree` and appends its fields to `path`.
 void place_column(std::string_view name, int column, int depth, Group& group, FieldTree& tree,
                   std::string& path) {
   const std::size_t dot = depth < kDeepest ? name.find('.') : std::string_view::npos;
@@ -70,7 +70,7 @@ std::string FieldNames::add(std::string_view text) {
   std::string candidate = name;
   for (int i = 2; !taken_.insert(candidate).second; ++i) {
     const std::string end = fmt::format("_{}", i);
-    candidate = name.substr(0, kLongestName - end.size()) + end;
+    candidate = name.substr(0, kMaxName - end.size()) + end;
   }
   return candidate;
 }

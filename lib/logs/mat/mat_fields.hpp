@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the names of a log become fields of structs.
+/// Maps the names of a log to fields of structs.
 #pragma once
 
 #include <string>
@@ -9,16 +9,17 @@
 
 namespace quadtune::internal {
 
-/// Names of the fields of one struct.
+/// Unique field names within one struct.
 class FieldNames {
  public:
   FieldNames() = default;
-  /// @param taken  Names that are spoken for.
+  /// @param taken  names that are already in use
   explicit FieldNames(const std::vector<std::string>& taken) : taken_(taken.begin(), taken.end()) {}
 
-  /// `text` as a name that MATLAB takes and that was not given before: what is neither a letter, a
-  /// digit nor '_' becomes '_', an 'x' goes before what begins otherwise than with a letter and
-  /// before a keyword, what is longer than 63 is cut, and what is taken gets "_2", "_3", …
+  /// Converts `text` to a valid MATLAB name that has not been returned before. Characters other
+  /// than letters, digits and '_' are replaced by '_'; 'x' is prepended if the name does not begin
+  /// with a letter or is a keyword; names longer than 63 characters are truncated; "_2", "_3", … is
+  /// appended to names that are in use.
   std::string add(std::string_view text);
 
  private:
@@ -27,19 +28,19 @@ class FieldNames {
 
 /// A struct of columns, in which "x.px" is the field "px" of the struct "x".
 struct FieldTree {
-  std::string field;              ///< its own name; empty at the root
-  int column = -1;                ///< of the table; -1 for a struct
-  std::vector<FieldTree> fields;  ///< in the order in which they came
+  std::string field;              ///< its name; empty at the root
+  int column = -1;                ///< index in the table; -1 for a struct
+  std::vector<FieldTree> fields;  ///< in order of insertion
 };
 
-/// The columns of a log in structs beside what else a log has, and the path of each: "x.px".
+/// The columns of a log as fields of structs, and the path of each column: "x.px".
 struct FieldLayout {
   FieldTree root;
-  std::vector<std::string> paths;  ///< one a column
+  std::vector<std::string> paths;  ///< one per column
 };
 
-/// @param names  of the columns, in their order.
-/// @param taken  Fields of the outermost struct that hold something else.
+/// @param names  of the columns, in their order
+/// @param taken  fields of the outermost struct that are used for other data
 [[nodiscard]] FieldLayout layout_of(const std::vector<std::string>& names,
                                     const std::vector<std::string>& taken);
 

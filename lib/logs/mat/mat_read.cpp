@@ -51,14 +51,14 @@ class Reader {
   }
 
  private:
-  // An array, which may be missing, and what messages call it.
+  // An array, which may be missing, and its name in messages.
   struct Place {
     const MatArray* array;
     std::string name;
   };
 
   [[noreturn]] void refuse(const Place& place, const std::string& expected) const {
-    throw InvalidInput(origin_, fmt::format("{} is missing or something else, expected {}",
+    throw InvalidInput(origin_, fmt::format("{} is missing or has the wrong type, expected {}",
                                             printable(place.name), expected));
   }
 
@@ -153,8 +153,8 @@ LogTable table_of_mat(const std::string& bytes, const std::string& origin) {
     throw InvalidInput(
         origin, fmt::format("needs more than {} MiB of memory to be read", memory_limit >> 20U));
   }
-  throw InvalidInput(
-      origin, fmt::format("has no variable '{}', expected it as quadtune writes it", kMatVariable));
+  throw InvalidInput(origin, fmt::format("has no variable '{}', expected a log that quadtune wrote",
+                                         kMatVariable));
 }
 
 }  // namespace quadtune

@@ -69,8 +69,8 @@ class MatReader final : public LogReader {
   std::string name_;
   LogClock clock_;
   std::vector<MatTable> tables_;
-  std::size_t table_ = 0;  // that is being read
-  std::size_t row_ = 0;    // of it, the next one
+  std::size_t table_ = 0;  // index of the current table
+  std::size_t row_ = 0;    // index of its next row
 };
 
 }  // namespace

@@ -15,15 +15,16 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kMaxColumns = 10000;     // of a matrix that is a log
-constexpr std::string_view kUnits = "units.";  // the struct of units in the project's own logs
+constexpr std::size_t kMaxColumns = 10000;     // of a matrix that counts as a log
+constexpr std::string_view kUnits = "units.";  // struct of units in quadtune's own logs
 
-// A matrix of real numbers as rows of channels.
+// A real matrix as rows of channels.
 struct Matrix {
   const MatArray* array = nullptr;
   std::size_t rows = 0;
   std::size_t columns = 0;
-  bool rows_last = false;  // the rows are along the last dimension: neighbours are of one row
+  // Rows are along the last dimension, so that consecutive entries belong to one row
+  bool rows_last = false;
 };
 
 struct Leaf {
@@ -35,7 +36,7 @@ bool is_scalar_struct(const MatArray& array) {
   return array.kind == MatClass::structure && array.rows() == 1 && array.columns() == 1;
 }
 
-// Of real numbers.
+// Whether an array contains real numbers.
 bool is_numeric(const MatArray* array) {
   return array != nullptr && array->is_numeric() && !array->complex;
 }
@@ -59,7 +60,7 @@ std::vector<double> column_of(const Matrix& matrix, std::size_t column, MemoryBu
   return values;
 }
 
-// A text of at most 1000 letters; "" for anything else.
+// A text of at most 1000 characters; empty for anything else.
 std::string text_of(const MatArray* array) {
   constexpr std::size_t kMaxLetters = 1000;
   if (array == nullptr || array->kind != MatClass::text || !array->is_matrix() ||
@@ -68,7 +69,7 @@ std::string text_of(const MatArray* array) {
   return width_of(array->type) == 1 ? std::string(array->data) : array->utf16_text().value_or("");
 }
 
-// What a vector called like a clock is; none where it is not.
+// The title of a vector that is named like a clock; empty for any other name.
 std::optional<LogTitle> clock_title(const Leaf& leaf) {
   if (leaf.matrix.columns != 1 || leaf.matrix.rows < 2) return std::nullopt;
   const std::size_t dot = leaf.name.rfind('.');
@@ -106,7 +107,7 @@ class Finder {
            signals->kind == MatClass::structure && signals->is_matrix();
   }
 
-  // A flight log of the project itself, whose channels are called as in its CSV.
+  // A flight log of quadtune, with the same channel names as in CSV.
   static bool is_own(const MatArray& array) { return text_of(array.field("format")) == kMatFormat; }
 
   void gather_fields(const MatArray& array, const std::string& prefix, const std::string& scope) {
@@ -126,10 +127,11 @@ class Finder {
     }
   }
 
-  // A long name of a struct stands before the names of all that it holds.
+  // The name of a struct is a prefix of the names of all its contents, so long names must be
+  // charged.
   void charge_name(const std::string& name) { budget_.charge(sizeof(Leaf) + 3 * name.size()); }
 
-  // A variable or field that is no struct.
+  // A variable or field that is not a struct.
   void gather(const MatArray& value, const std::string& name, const std::string& scope) {
     charge_name(scope + name);
     if (const std::string text = text_of(&value); !text.empty()) {
@@ -166,15 +168,15 @@ class Finder {
     }
     if (value.complex) return "is complex";
     if (value.is_numeric() && value.data.empty()) return "";
-    return "is no vector or matrix of numbers";
+    return "is not a vector or matrix of numbers";
   }
 
   void note(const std::string& name, const std::string& what) {
     if (!what.empty())
-      notes_.push_back(fmt::format("'{}' {} and is passed over", printable(name), what));
+      notes_.push_back(fmt::format("'{}' {} and is ignored", printable(name), what));
   }
 
-  // The clock of the gathered leaves, the one that lies least deep.
+  // The clock among the gathered leaves; the least nested one.
   const Leaf* clock() const {
     const Leaf* best = nullptr;
     const auto depth = [](const Leaf& leaf) {
@@ -185,7 +187,7 @@ class Finder {
     return best;
   }
 
-  // The times of a clock [s]; none, with a note, where its unit is not stated and ambiguous.
+  // The times of a clock [s]; empty, with a note, if its unit is not stated and ambiguous.
   std::vector<double> times_of(const Leaf& leaf, const std::string& scope) {
     std::vector<double> time = column_of(leaf.matrix, 0, budget_);
     const LogTitle title = clock_title(leaf).value_or(LogTitle{});
@@ -195,8 +197,8 @@ class Finder {
     if (!title.guessed) {
       if (is_no_time(sample, ticks)) {
         notes_.push_back(
-            fmt::format("'{}' is no clock, because it is stated in {}, by which its "
-                        "values, such as {:.6g}, come after the year 2286",
+            fmt::format("'{}' is not used as a clock because it is stated in {}, but its "
+                        "values, such as {:.6g}, would be after the year 2286",
                         name, name_of_ticks(ticks), sample.time));
         ticks = 0;
       }
@@ -204,13 +206,13 @@ class Finder {
       const ClockUnit unit = unit_of_clock(sample);
       ticks = unit.ticks;
       if (ticks == 0)
-        notes_.push_back(
-            fmt::format("'{}' states no unit and is no clock, because {}: call it {}_{}", name,
-                        unit.reason, printable(leaf.name), unit.unit));
+        notes_.push_back(fmt::format(
+            "'{}' states no unit and is not used as a clock because {}: rename it {}_{}", name,
+            unit.reason, printable(leaf.name), unit.unit));
       else if (ticks != 1 || sample.step >= kSlowStep)
         notes_.push_back(fmt::format(
             "the clock '{}' states no unit and {}{}", name, unit.reason,
-            sample.step > 0 ? fmt::format(", samples being {:.4g} s apart", sample.step / ticks)
+            sample.step > 0 ? fmt::format(", with samples {:.4g} s apart", sample.step / ticks)
                             : ""));
     }
     if (ticks == 0) return {};
@@ -218,7 +220,7 @@ class Finder {
     return time;
   }
 
-  // The gathered leaves as a group for each number of rows, in the order in which they come.
+  // Converts the gathered leaves to groups, one per number of rows, in order of appearance.
   void make_tables(const std::string& scope) {
     const Leaf* own_clock = clock();
     const std::vector<double> own_time =
@@ -280,8 +282,7 @@ class Finder {
       charge_name(name + label);
       const std::optional<Matrix> values = matrix_of(signals.field("values", i));
       if (!values || values->columns > kMaxColumns) {
-        note(fmt::format("{}.{}", name, label),
-             "has no values that are numbers, or too many a row,");
+        note(fmt::format("{}.{}", name, label), "has no numeric values, or too many per row,");
         continue;
       }
       add_columns(label, "", *values, by_rows[values->rows]);
@@ -296,14 +297,14 @@ class Finder {
     }
   }
 
-  // What Simulink calls a signal, or else its place.
+  // Simulink's label of a signal, or else its index.
   static std::string label_of(const MatArray& signals, std::size_t i, std::size_t count) {
     std::string label = text_of(signals.field("label", i));
     if (!label.empty()) return label;
     return count == 1 ? "values" : fmt::format("values_{}", i + 1);
   }
 
-  // Rows whose time was never set.
+  // Removes the rows whose time was never set.
   void leave_out_strays(MatTable& table) {
     const ClockSample sample = sample_of_clock(table.time);
     if (!zero_is_stray(sample, 1)) return;
@@ -318,8 +319,8 @@ class Finder {
     if (table.time.size() == time.size()) return;
     for (std::vector<double>& column : table.columns) without(column);
     notes_.push_back(fmt::format(
-        "{} of {} rows of '{}' are at time 0, which was never set, and are left out: the others "
-        "are at {:.6g} s and about",
+        "{} of {} rows of '{}' are at time 0 (clock not set) and are left out; the others "
+        "are around {:.6g} s",
         time.size() - table.time.size(), time.size(), printable(table.group.name), sample.time));
   }
 
@@ -341,14 +342,14 @@ class Finder {
     for (std::size_t i = 0; i < std::min(scalars_.size(), kNamed); ++i)
       names += (i > 0 ? ", " : "") + printable(scalars_[i]);
     if (scalars_.size() > kNamed) names += fmt::format(" and {} more", scalars_.size() - kNamed);
-    notes_.push_back("single numbers are passed over: " + names);
+    notes_.push_back("single numbers are ignored: " + names);
   }
 
   MemoryBudget& budget_;
   std::vector<std::string>& notes_;
   std::vector<MatTable> tables_;
-  std::vector<Leaf> leaves_;                  // of the scope that is gathered
-  std::map<std::string, std::string> units_;  // by the names of leaves
+  std::vector<Leaf> leaves_;                  // in the current scope
+  std::map<std::string, std::string> units_;  // by the name of the leaf
   std::vector<std::string> scalars_;
   std::vector<double> file_time_;
 };

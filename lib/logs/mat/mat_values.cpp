@@ -31,7 +31,7 @@ std::string element(MatType type, const Numbers& numbers) {
   return bytes;
 }
 
-// @param content  Its elements behind the name.
+// @param content  elements after the name
 std::string array(MatClass kind, std::size_t rows, std::size_t columns, const std::string& content,
                   const std::string& name = "") {
   const std::vector<std::uint32_t> flags = {static_cast<std::uint32_t>(kind), 0};
@@ -47,7 +47,7 @@ bool is_list_of_numbers(const Json& json) {
          std::all_of(json.begin(), json.end(), [](const Json& one) { return one.is_number(); });
 }
 
-/// Whether the lists of numbers within are the rows of a matrix.
+/// Whether the nested lists of numbers are the rows of a matrix.
 bool is_matrix(const Json& json) {
   return !json.empty() && std::all_of(json.begin(), json.end(), [&](const Json& row) {
     return is_list_of_numbers(row) && row.size() == json.front().size();
@@ -120,7 +120,8 @@ std::string mat_cells(const std::vector<std::string>& texts) {
 
 std::string mat_structs(const std::vector<std::string>& fields, const std::string& values,
                         std::size_t rows, const std::string& name) {
-  std::size_t slot = 1;  // of a name with its NUL, so that all of them fill whole eight bytes
+  // Size of a name with its NUL, so that all names together fill a multiple of eight bytes
+  std::size_t slot = 1;
   for (const std::string& field : fields) slot = std::max(slot, field.size() + 1);
   while (slot * fields.size() % 8 != 0) ++slot;
   std::string names;

@@ -30,7 +30,7 @@ std::vector<std::string> fields_of(const FieldTree& tree) {
   return names;
 }
 
-// The struct of the tree with what `leaf` makes of each column.
+// The struct of the tree; `leaf` converts each column.
 template <typename Leaf>
 std::string filled(const FieldTree& tree, const Leaf& leaf) {
   if (tree.column >= 0) return leaf(static_cast<std::size_t>(tree.column));
@@ -79,7 +79,7 @@ std::string events_of(const LogTable& table) {
 }
 
 std::string variable_of(const LogTable& table) {
-  // What a log has beside its columns; a column of such a name gets another field.
+  // Fields of a log that are not columns; a column of such a name gets a different field name.
   std::vector<std::string> fields = {"format", "format_version", "about", "about_keys",
                                      "units",  "columns",        "events"};
   const FieldLayout layout = internal::layout_of(names_of(table), fields);
@@ -94,9 +94,9 @@ std::string variable_of(const LogTable& table) {
   return internal::mat_structs(fields, values, 1, internal::kMatVariable);
 }
 
-// No less than the file will have [bytes]: a text stands there up to three times in UTF-16, and
-// each array has a few hundred bytes of its own.
-std::size_t most_bytes(const LogTable& table) {
+// An upper bound of the file size [bytes]: a text appears up to three times in UTF-16, and each
+// array needs a few hundred bytes in addition.
+std::size_t max_bytes(const LogTable& table) {
   constexpr std::size_t kOwn = 2048;
   std::size_t texts = 0;
   for (const LogColumn& column : table.columns) texts += column.name.size() + column.unit.size();
@@ -110,12 +110,12 @@ std::size_t most_bytes(const LogTable& table) {
 
 std::string bytes_of_mat(const LogTable& table) {
   internal::require_log(table, "log");
-  if (most_bytes(table) >= kLogLimit)
+  if (max_bytes(table) >= kLogLimit)
     throw InvalidInput("log", fmt::format("has {} rows of {} columns and {} events, expected less "
                                           "than 2 GiB in all, as MAT v5 files hold no more: write "
                                           "a .csv",
                                           table.rows(), table.columns.size(), table.events.size()));
-  // No date: same log, same bytes.
+  // No date, so that the same log gives the same bytes.
   return internal::mat_header("MATLAB 5.0 MAT-file, quadtune log") + variable_of(table);
 }
 

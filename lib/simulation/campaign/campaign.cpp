@@ -25,8 +25,8 @@ FlightSetup drawn_setup(const Campaign& campaign, const CampaignCase& of, std::u
 
 FlightSetup setup_of(const Campaign& campaign, std::uint64_t number) {
   if (number >= campaign.records())
-    throw InvalidInput("flight",
-                       fmt::format("{} came, expected 0 to {}", number, campaign.records() - 1));
+    throw InvalidInput("flight", fmt::format("the number is {}, expected 0 to {}", number,
+                                             campaign.records() - 1));
   const auto flight = static_cast<std::uint32_t>(number / campaign.cases.size());
   return drawn_setup(campaign, campaign.cases[number % campaign.cases.size()], flight,
                      draw(campaign.uncertainty, campaign.seed, flight));
@@ -35,7 +35,7 @@ FlightSetup setup_of(const Campaign& campaign, std::uint64_t number) {
 void validate(const Campaign& campaign, const std::string& where) {
   if (campaign.flights == 0) throw InvalidInput(where, "flights is 0, expected 1 or more");
   if (campaign.cases.empty())
-    throw InvalidInput(where, "there is no design with a mission, expected one or more");
+    throw InvalidInput(where, "there is no design with a mission, expected at least one");
   validate(campaign.uncertainty, where);
   for (std::size_t i = 0; i < campaign.cases.size(); ++i) {
     const CampaignCase& of = campaign.cases[i];
@@ -83,7 +83,7 @@ CampaignRecord record_of(std::uint64_t number, const FlightSetup& setup,
 std::vector<CampaignRecord> fly_draws(const Campaign& campaign, std::uint32_t begin,
                                       std::uint32_t end, std::size_t threads,
                                       const std::function<bool()>& interrupted) {
-  // Flights of one case beside each other share a pack.
+  // Consecutive flights of one case share a pack.
   const std::size_t cases = campaign.cases.size(), draws = end - begin;
   std::vector<FlightSetup> setups(cases * draws);
   for (std::uint32_t flight = begin; flight < end; ++flight) {

@@ -10,11 +10,11 @@
 namespace quadtune::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "records are written as they lie");
+static_assert(std::endian::native == std::endian::little, "records are written in memory order");
 
 constexpr char kMagic[8] = {'q', 't', 'f', 'l', 'i', 'g', 'h', 't'};
 constexpr std::uint32_t kFormat = 2;
-constexpr std::size_t kDigits = 24;  // of the plan's hash
+constexpr std::size_t kDigits = 24;  // digits of the plan's hash
 
 std::uint32_t checksum(const char* bytes, std::size_t size) {
   return static_cast<std::uint32_t>(
@@ -34,7 +34,7 @@ T take(const char*& at) {
   return value;
 }
 
-/// Appends `size` bytes; the first four are a checksum of the others.
+/// Appends `size` bytes, the first four of which are a checksum of the others.
 template <class Fill>
 void append_block(std::size_t size, std::string& bytes, const Fill& fill) {
   const std::size_t begin = bytes.size();

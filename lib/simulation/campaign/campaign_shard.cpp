@@ -26,7 +26,7 @@ using internal::kRecordHeaderSize;
 using internal::kRecordSize;
 using internal::RecordHeader;
 
-/// Draws that are flown between two writes: enough to keep all threads busy.
+/// Number of draws that are flown between two writes: enough to keep all threads busy.
 constexpr std::uint32_t kDrawsAtOnce = 256;
 
 std::string stem(std::uint32_t shard) { return fmt::format("{:05}", shard); }
@@ -42,7 +42,7 @@ RecordHeader header_of(const CampaignFolder& folder, std::uint32_t shard) {
           std::uint64_t{draws.end - draws.begin} * folder.cases};
 }
 
-/// Where a worker's part lies. A worker that was killed leaves its own.
+/// Paths of all parts of a shard. A killed worker leaves its part behind.
 std::vector<fs::path> parts_of(const CampaignFolder& folder, std::uint32_t shard) {
   std::vector<fs::path> parts;
   std::error_code ignored;
@@ -57,19 +57,19 @@ std::vector<fs::path> parts_of(const CampaignFolder& folder, std::uint32_t shard
 
 using Records = std::map<std::uint64_t, CampaignRecord>;
 
-/// Takes what is right of a file.
-/// @param whole  whether all records must be there, in order
-/// @return       what is wrong, "" where nothing is
+/// Reads the valid records of a file.
+/// @param whole  whether all records must be present, in order
+/// @return       a description of the damage; empty if there is none
 std::string take_file(const fs::path& path, const RecordHeader& expected, bool whole,
                       Records& records) {
   constexpr std::size_t kLimit = std::size_t{1} << 36;
   const std::string bytes = internal::read_file(path.string(), kLimit);
-  // A worker that was killed may leave no more than the beginning of its part: that is no damage.
+  // A killed worker may leave less than a header, which does not count as damage.
   if (!whole && bytes.size() < kRecordHeaderSize) return "";
   const auto header = internal::read_header(bytes);
   if (!header)
-    return fmt::format("{}: the first {} bytes are not as they were written",
-                       path.filename().string(), kRecordHeaderSize);
+    return fmt::format("{}: the header of {} bytes is damaged", path.filename().string(),
+                       kRecordHeaderSize);
   if (!(*header == expected))
     return fmt::format("{}: it belongs to another plan or shard", path.filename().string());
   std::string damage;
@@ -85,8 +85,8 @@ std::string take_file(const fs::path& path, const RecordHeader& expected, bool w
     else if (damage.empty())
       damage =
           fmt::format("{}: record {} of {} {}", path.filename().string(), k + 1, expected.count,
-                      record ? fmt::format("is of flight {}, expected another", record->number)
-                             : "is not as it was written (wrong checksum)");
+                      record ? fmt::format("belongs to flight {}, expected another", record->number)
+                             : "is damaged (wrong checksum)");
   }
   if (damage.empty() && whole && (at != bytes.size() || k != expected.count))
     damage = fmt::format("{}: it has {} bytes, expected {}", path.filename().string(), bytes.size(),
@@ -98,7 +98,7 @@ std::string take_file(const fs::path& path, const RecordHeader& expected, bool w
   throw FileError(path.string(), std::strerror(errno));
 }
 
-/// A file of this worker alone, written from its beginning.
+/// A file that only this worker writes, from its beginning.
 class Writer {
  public:
   Writer(fs::path path, int file) : path_(std::move(path)), file_(file) {}
@@ -118,7 +118,7 @@ class Writer {
       done += static_cast<std::size_t>(count);
     }
   }
-  /// Likewise; where that fails nothing is left of the file, which would only be in the way.
+  /// Writes the bytes; if that fails, the file is removed, since its remains would be useless.
   void write_or_remove(const std::string& bytes, bool synced) {
     try {
       write(bytes);
@@ -130,13 +130,13 @@ class Writer {
     }
   }
   void sync_and_close() {
-    // EINVAL: a file system that has nothing to sync.
+    // EINVAL: a file system that does not support fsync.
     if (::fsync(file_) != 0 && errno != EINVAL) fail(path_);
     if (::close(std::exchange(file_, -1)) != 0) fail(path_);
   }
   [[nodiscard]] const fs::path& path() const { return path_; }
-  /// Whether what is written still lies at path(). A file that was removed, or whose folder was,
-  /// takes what is written without an error, and all of it is lost.
+  /// Whether path() still names the written file. Writing to a file that was removed, alone or with
+  /// its folder, succeeds, but the data are lost.
   [[nodiscard]] bool is_in_place() const {
     struct stat written = {}, there = {};
     return ::fstat(file_, &written) == 0 && ::stat(path_.c_str(), &there) == 0 &&
@@ -152,7 +152,7 @@ std::int64_t milliseconds(std::chrono::system_clock::time_point time) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
 }
 
-/// A name that no other worker has: host, process and time, which also tells how fast it flies.
+/// Opens a part with a unique name: host, process and start time, from which the rate is computed.
 Writer open_part(const CampaignFolder& folder, std::uint32_t shard) {
   char host[256] = "host";
   if (::gethostname(host, sizeof host - 1) != 0) std::strcpy(host, "host");
@@ -168,8 +168,7 @@ Writer open_part(const CampaignFolder& folder, std::uint32_t shard) {
   }
 }
 
-/// Records a second of a part from its beginning to when it was last written; 0 where that cannot
-/// be told.
+/// Records per second of a part, from its creation to its last write; 0 if unknown.
 double rate_of(const fs::path& part, fs::file_time_type written) {
   const std::string name = part.stem().string();
   std::int64_t began = 0;
@@ -184,12 +183,12 @@ double rate_of(const fs::path& part, fs::file_time_type written) {
   return 1000 * static_cast<double>(records) / static_cast<double>(passed);
 }
 
-/// All that can be used of what lies in the folder.
+/// All valid data in the folder.
 struct Found {
   Records records;
   std::vector<std::string> damage;
   std::vector<fs::path> parts;
-  bool complete = false;  ///< the shard's file is there, and every record in it is right
+  bool complete = false;  ///< the shard's file exists and every record in it is valid
 };
 Found find_records(const CampaignFolder& folder, std::uint32_t shard) {
   const RecordHeader expected = header_of(folder, shard);
@@ -205,13 +204,13 @@ Found find_records(const CampaignFolder& folder, std::uint32_t shard) {
     try {
       (void)take(part, false);
     } catch (const FileError&) {
-      // Another worker finished and took it away.
+      // Another worker has completed the shard and removed this part.
     }
   }
   return found;
 }
 
-/// Draws of which a record is missing.
+/// Draws with at least one missing record.
 std::vector<std::uint32_t> missing_draws(const RecordHeader& header, std::uint32_t cases,
                                          const Records& records) {
   std::vector<std::uint32_t> missing;
@@ -230,7 +229,7 @@ std::string bytes_of(const std::vector<CampaignRecord>& records) {
   return bytes;
 }
 
-/// Makes what was renamed last, even if the power goes.
+/// Makes the last rename durable, even after a power failure.
 void sync_folder(const fs::path& folder) {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file < 0) fail(folder);
@@ -241,7 +240,7 @@ void sync_folder(const fs::path& folder) {
   if (!synced) fail(folder);
 }
 
-/// The shard's file, all of it or not at all; then the parts are of no more use.
+/// Writes the shard's file atomically, then removes the parts, which are no longer needed.
 void finish(const CampaignFolder& folder, std::uint32_t shard, const RecordHeader& header,
             const Records& records) {
   std::string bytes;
@@ -252,7 +251,7 @@ void finish(const CampaignFolder& folder, std::uint32_t shard, const RecordHeade
   writer.write_or_remove(bytes, /*synced=*/true);
   const fs::path file = file_of(folder, shard);
   if (::rename(writer.path().c_str(), file.c_str()) != 0) {
-    // A worker that finished first may have taken the part away.
+    // Another worker that completed the shard may have removed the part.
     const int reason = errno;
     Records other;
     if (reason != ENOENT || !shard_is_there(folder, shard) ||
@@ -288,7 +287,7 @@ ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard) {
 }
 
 bool shard_is_there(const CampaignFolder& folder, std::uint32_t shard) {
-  std::error_code ignored;  // what cannot be looked at, reading it says
+  std::error_code ignored;  // an error is reported when the file is read
   return fs::symlink_status(file_of(folder, shard), ignored).type() != fs::file_type::not_found;
 }
 
@@ -325,11 +324,11 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
     std::string bytes;
     internal::append(header, bytes);
     part.write_or_remove(bytes, /*synced=*/false);
-    // A worker that was faster takes all parts away when the shard is complete.
+    // A worker that completes the shard removes all parts.
     const auto lost = [&] { return !part.is_in_place() && !shard_is_there(folder, shard); };
     const auto stop = [&] { return (interrupted && interrupted()) || lost(); };
     for (std::size_t i = 0; i < missing.size();) {
-      // As many as follow one another.
+      // As many consecutive draws as possible.
       std::size_t end = i + 1;
       while (end < missing.size() && end - i < kDrawsAtOnce && missing[end] == missing[end - 1] + 1)
         ++end;
@@ -339,8 +338,9 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
       } catch (const Interrupted&) {
         if (lost())
           throw FileError(part.path().string(),
-                          "is gone, or its folder is, while its flights were flown, expected it to "
-                          "stay until the shard is complete; what it held is lost");
+                          "was removed, alone or with its folder, while its flights were "
+                          "simulated, but it must "
+                          "exist until the shard is complete; its records are lost");
         throw;
       }
       part.write(bytes_of(flown));

@@ -22,16 +22,16 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTail = 0.025;
-constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 1 - kTail
+constexpr double kQuantile = 1.959963984540054;  // of the standard normal distribution at 1 - kTail
 constexpr std::size_t kWorst = 5;
 
-/// A value and which of the sample it is.
+/// A value and its index in the sample.
 struct Placed {
   double value;
   std::uint32_t at;
 };
 
-/// In increasing order.
+/// Sorts a sample in increasing order.
 std::vector<Placed> ordered(std::span<const double> x) {
   std::vector<Placed> order(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) order[i] = {x[i], static_cast<std::uint32_t>(i)};
@@ -40,7 +40,7 @@ std::vector<Placed> ordered(std::span<const double> x) {
   return order;
 }
 
-/// Ranks from 1 of what is in order, ties at their mean.
+/// Ranks of a sorted sample, from 1; ties get their mean rank.
 std::vector<double> ranks(std::span<const Placed> order) {
   std::vector<double> rank(order.size());
   for (std::size_t i = 0; i < order.size();) {
@@ -53,7 +53,7 @@ std::vector<double> ranks(std::span<const Placed> order) {
   return rank;
 }
 
-/// Correlation of two samples; NaN where one does not vary.
+/// Correlation coefficient of two samples; NaN if one of them is constant.
 double correlation(std::span<const double> x, std::span<const double> y) {
   const auto n = static_cast<double>(x.size());
   const double mx = std::accumulate(x.begin(), x.end(), 0.0) / n;
@@ -67,7 +67,7 @@ double correlation(std::span<const double> x, std::span<const double> y) {
   return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : kNaN;
 }
 
-/// Of ranks that are known.
+/// Adds the interval of a rank correlation of n pairs.
 Estimated with_interval(double r, std::size_t n) {
   if (n < 4 || std::isnan(r)) return {kNaN, kNaN, kNaN};
   const double z = std::atanh(std::clamp(r, -1.0, 1.0));
@@ -75,7 +75,7 @@ Estimated with_interval(double r, std::size_t n) {
   return {r, std::tanh(z - width), std::tanh(z + width)};
 }
 
-/// Mean with the interval of Student's distribution.
+/// Mean with the interval of Student's t distribution.
 Estimated mean_of(std::span<const double> x, double& deviation) {
   const auto n = static_cast<double>(x.size());
   const double mean = std::accumulate(x.begin(), x.end(), 0.0) / n;
@@ -95,8 +95,9 @@ std::string end_of(const CampaignRecord& record) {
   return "safety exit: " + record.reason;
 }
 
-/// @param values  in the order of the flights, for the sums
-/// @param order   the same, from the least to the greatest
+/// @param values  in the order of the flights, so that the sums do not depend on the order of the
+///                values
+/// @param order   the same values, sorted in increasing order
 MetricSpread spread_of(Metric metric, std::span<const double> values,
                        std::span<const Placed> order) {
   MetricSpread spread;
@@ -110,8 +111,8 @@ MetricSpread spread_of(Metric metric, std::span<const double> values,
   std::vector<double> sorted(order.size());
   std::transform(order.begin(), order.end(), sorted.begin(),
                  [](const Placed& p) { return p.value; });
-  spread.least = sorted.front();
-  spread.greatest = sorted.back();
+  spread.min = sorted.front();
+  spread.max = sorted.back();
   spread.percentile_5 = quantile(sorted, 0.05);
   spread.median = quantile(sorted, 0.5);
   spread.percentile_95 = quantile(sorted, 0.95);
@@ -119,7 +120,7 @@ MetricSpread spread_of(Metric metric, std::span<const double> values,
   return spread;
 }
 
-/// The records of one case, draw by draw.
+/// View of the records of one case, draw by draw.
 class CaseView {
  public:
   CaseView(std::span<const CampaignRecord> records, std::size_t cases, std::size_t of)
@@ -133,7 +134,7 @@ class CaseView {
   std::size_t cases_, of_;
 };
 
-/// The limit that is passed farthest, as a share of it, and by how much; none where all are 0.
+/// The limit with the largest ratio of value to limit; null if all ratios are 0.
 struct WorstLimit {
   double share = 0;
   const Limit* limit = nullptr;
@@ -142,7 +143,7 @@ WorstLimit worst_limit(const FlightSetup& setup, const CampaignRecord& record) {
   WorstLimit worst;
   for (const Limit& limit : setup.mission.limits) {
     const double value = record.metrics[limit.metric];
-    const double share = std::isnan(value) ? kInfinity : value / limit.most;
+    const double share = std::isnan(value) ? kInfinity : value / limit.max;
     if (share > worst.share) worst = {share, &limit};
   }
   return worst;
@@ -153,13 +154,14 @@ std::string words_of(const Limit& limit, const CampaignRecord& record) {
   const double value = record.metrics[limit.metric];
   if (!std::isfinite(value))
     return fmt::format("{} {}, limit {:.3g}{}", name_of(limit.metric),
-                       std::isnan(value) ? "not measured" : "never reached", limit.most, unit);
-  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.most,
+                       std::isnan(value) ? "not measured" : "never reached", limit.max, unit);
+  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.max,
                      unit);
 }
 
 std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view) {
-  // Ended early before beyond limits before within; the earlier, or the farther beyond, the worse.
+  // Order: early end, then limits exceeded, then limits satisfied. Within these, earlier ends and
+  // larger ratios are worse.
   struct Rank {
     int kind;
     double size;
@@ -190,15 +192,15 @@ std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view
   return worst;
 }
 
-/// What was drawn of one quantity.
+/// The drawn values of one quantity, ranked.
 struct DrawnRanks {
-  std::vector<double> rank;          ///< flight by flight
-  std::vector<std::uint32_t> order;  ///< flights, from the least to the greatest
+  std::vector<double> rank;          ///< per flight
+  std::vector<std::uint32_t> order;  ///< flights, sorted by increasing value
 };
 
-/// Ranks among the chosen flights alone: those among all are in the same order, but not evenly
-/// spaced.
-/// @param place  of each flight among the chosen; kNotChosen elsewhere
+/// Ranks among a subset of the flights. Their order is that of the ranks among all flights, but
+/// those are not evenly spaced within the subset.
+/// @param place  index of each flight in the subset; kNotChosen for the others
 constexpr std::uint32_t kNotChosen = 0xffffffff;
 std::vector<double> ranks_among(const DrawnRanks& drawn, std::span<const std::uint32_t> place,
                                 std::size_t chosen) {
@@ -209,15 +211,16 @@ std::vector<double> ranks_among(const DrawnRanks& drawn, std::span<const std::ui
   return ranks(order);
 }
 
-/// One figure of one case: "failure" or a metric.
+/// One figure of a case: "failure" or a metric.
 struct Figure {
   std::string name;
-  std::vector<double> values = {};          ///< of the flights that have it, in their order
-  std::vector<std::uint32_t> flights = {};  ///< which these are
-  std::vector<Placed> order = {};           ///< of the values
+  /// Of the flights in which it is defined, in their order
+  std::vector<double> values = {};
+  std::vector<std::uint32_t> flights = {};  ///< numbers of these flights
+  std::vector<Placed> order = {};           ///< of the values, sorted
 };
 
-/// Correlations of a figure with all that was drawn, over the flights that have the figure.
+/// Correlations of a figure with all drawn quantities, over the flights in which it is defined.
 std::vector<Sensitivity> sensitivities_of(const Campaign& campaign,
                                           const std::vector<DrawnRanks>& drawn,
                                           const Figure& figure) {
@@ -241,13 +244,13 @@ std::vector<Sensitivity> sensitivities_of(const Campaign& campaign,
   return result;
 }
 
-/// What one figure adds to a case.
+/// Contribution of one figure to the statistics of a case.
 struct FigureStatistics {
   std::optional<MetricSpread> spread;
   std::vector<Sensitivity> sensitivities;
 };
 
-/// @param index  0: "failure"; m + 1: the metric m
+/// @param index  0: "failure"; m + 1: metric m
 FigureStatistics figure_statistics(const Campaign& campaign, const CaseView& view,
                                    const std::vector<DrawnRanks>& drawn, std::size_t index) {
   const auto metric = static_cast<Metric>(index - 1);
@@ -318,7 +321,7 @@ CaseComparison comparison_of(const Campaign& campaign, std::size_t a, std::size_
   return comparison;
 }
 
-/// Where a quantile lies in a sample in order: between neighbours as in R's type 7.
+/// Position of a quantile in a sorted sample, interpolated as in R's type 7.
 struct Place {
   std::size_t below, above;
   double part;
@@ -348,7 +351,7 @@ Estimated quantile(std::span<const double> sorted, double q) {
   const auto n = static_cast<double>(sorted.size());
   const Place at = place_of(q, sorted.size());
   Estimated result{between(sorted[at.below], sorted[at.above], at.part), -kInfinity, kInfinity};
-  // The r-th smallest of n lies below the quantile where at least r of them do.
+  // The r-th smallest of n values lies below the quantile if at least r values do.
   const boost::math::binomial count(n, q);
   const auto at_most = [&](double k) { return k < 0 ? 0 : boost::math::cdf(count, k); };
   double low = std::floor(boost::math::quantile(count, kTail));
@@ -376,8 +379,8 @@ Estimated rank_correlation(std::span<const double> x, std::span<const double> y)
 CampaignStatistics campaign_statistics(const Campaign& campaign, const Eigen::MatrixXd& drawn,
                                        std::span<const CampaignRecord> records,
                                        std::size_t threads) {
-  constexpr std::size_t kMostThreads = 8;
-  threads = std::min(internal::thread_count(threads), kMostThreads);
+  constexpr std::size_t kMaxThreads = 8;
+  threads = std::min(internal::thread_count(threads), kMaxThreads);
   std::vector<DrawnRanks> quantities(static_cast<std::size_t>(drawn.rows()));
   const auto rank_quantity = [&](std::size_t q) {
     const Eigen::VectorXd values = drawn.row(static_cast<Eigen::Index>(q));

@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows between two questions whether to stop.
+/// Number of rows between two checks for interruption.
 constexpr std::size_t kRows = 4096;
 
-/// A file beside its target that takes the target's place when it is complete.
+/// A temporary file next to its target, which it replaces when it is complete.
 class Beside {
  public:
   explicit Beside(fs::path target)
@@ -91,7 +91,7 @@ Statement prepare(const Beside& file, sqlite3* database, const std::string& sql)
   return Statement(statement);
 }
 
-/// Fills the values of one row, from the left.
+/// Binds the values of one row, from left to right.
 class Row {
  public:
   Row(const Beside& file, sqlite3* database, sqlite3_stmt* statement)
@@ -153,7 +153,7 @@ void make_tables(const Beside& file, sqlite3* database, const Campaign& campaign
     row.put(number.quantity);
     row.put(uncertain_quantity(number.quantity, "table").unit);
     row.put(to_string(d.kind));
-    for (const double x : {d.first, d.second, d.least, d.most}) row.put(x);
+    for (const double x : {d.first, d.second, d.min, d.max}) row.put(x);
     row.insert();
   }
 }
@@ -214,15 +214,16 @@ void write_campaign_database(const fs::path& target, const Campaign& campaign,
                              const std::function<bool()>& interrupted) {
   Beside beside(target);
   sqlite3* opened = nullptr;
-  // Nobody else has it, so nothing is locked.
+  // No other process accesses the file, so no locking is needed.
   const int status =
       sqlite3_open_v2(beside.path().c_str(), &opened,
                       SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   const Database database(opened);
   if (status != SQLITE_OK) throw_sqlite_error(beside, opened);
-  // A file that is thrown away where anything fails needs no journal.
+  // A file that is discarded after any failure needs no journal.
   run(beside, opened, "PRAGMA journal_mode = OFF");
-  run(beside, opened, "PRAGMA synchronous = NORMAL");  // once, before it takes its place
+  // Synced once, before the file replaces its target
+  run(beside, opened, "PRAGMA synchronous = NORMAL");
   run(beside, opened, "BEGIN");
   make_tables(beside, opened, campaign);
   {

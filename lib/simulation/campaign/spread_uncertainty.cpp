@@ -14,8 +14,8 @@ void add_ratio(Uncertainty& uncertainty, const std::string& quantity, double spr
   std::vector<UncertainNumber>& numbers = uncertainty.numbers;
   if (!(spread > 0) || std::any_of(numbers.begin(), numbers.end(), varied)) return;
   Distribution distribution{DistributionKind::normal, 1, spread / 2};
-  distribution.least = std::max(1 - 1.5 * spread, 0.05);
-  distribution.most = 1 + 1.5 * spread;
+  distribution.min = std::max(1 - 1.5 * spread, 0.05);
+  distribution.max = 1 + 1.5 * spread;
   numbers.push_back({quantity, distribution});
   if (uncertainty.correlation.size() == 0) return;
   const Eigen::Index n = uncertainty.correlation.rows();

@@ -10,27 +10,27 @@ namespace {
 
 using Parts = UncertainParts;
 
-constexpr double kLeastRatio = 0.01, kGreatestRatio = 100;
+constexpr double kMinRatio = 0.01, kMaxRatio = 100;
 constexpr double kStrongestWind = 50;  // [m/s]
 
-/// Collects the table.
+/// Builds the table of quantities.
 class Table {
  public:
   void ratio(const std::string& name, const std::string& meaning,
              std::function<bool(Parts&, double)> change) {
-    add({name, "1", QuantityKind::ratio, kLeastRatio, kGreatestRatio, meaning}, std::move(change));
+    add({name, "1", QuantityKind::ratio, kMinRatio, kMaxRatio, meaning}, std::move(change));
   }
   void addition(const std::string& name, const std::string& unit, double size,
                 const std::string& meaning, std::function<bool(Parts&, double)> change) {
     add({name, unit, QuantityKind::addition, -size, size, meaning}, std::move(change));
   }
-  void value(const std::string& name, const std::string& unit, double least, double greatest,
+  void value(const std::string& name, const std::string& unit, double min, double max,
              const std::string& meaning, std::function<bool(Parts&, double)> change) {
-    add({name, unit, QuantityKind::value, least, greatest, meaning}, std::move(change));
+    add({name, unit, QuantityKind::value, min, max, meaning}, std::move(change));
   }
 
   std::vector<QuantityEffect> all;
-  bool of_sensors = false;  ///< those that are added now
+  bool of_sensors = false;  ///< whether the quantities being added belong to sensors
 
  private:
   void add(UncertainQuantity quantity, std::function<bool(Parts&, double)> change) {
@@ -38,15 +38,15 @@ class Table {
   }
 };
 
-/// Wind moves a vehicle by its drag alone.
-bool has_drag(const Parts& p) { return feels_wind(p.flown); }
+/// Wind affects a vehicle only through its drag.
+bool has_drag(const Parts& p) { return has_aerodynamics(p.flown); }
 
 void add_body(Table& table) {
   table.ratio("mass", "mass of the vehicle", [](Parts& p, double x) {
     p.flown.mass *= x;
     return true;
   });
-  // J_ij goes with √(s_i s_j), so that a body stays one.
+  // J_ij is scaled by √(s_i s_j), so that the inertia matrix stays that of a physical body.
   for (int axis = 0; axis < 3; ++axis)
     table.ratio(fmt::format("inertia_{}", "xyz"[axis]),
                 fmt::format("moment of inertia about body {}", "xyz"[axis]),
@@ -57,7 +57,7 @@ void add_body(Table& table) {
                 });
   for (int axis = 0; axis < 3; ++axis)
     table.addition(fmt::format("centre_of_mass_{}", "xyz"[axis]), "m", 1,
-                   fmt::format("centre of mass off its place along body {}", "xyz"[axis]),
+                   fmt::format("offset of the centre of mass along body {}", "xyz"[axis]),
                    [axis](Parts& p, double x) {
                      for (Rotor& rotor : p.flown.rotors) rotor.position(axis) -= x;
                      return true;
@@ -76,11 +76,11 @@ void scale_thrust(Rotor& rotor, double x) {
 }
 
 void add_motors(Table& table) {
-  table.ratio("thrust", "thrust of all rotors at a speed", [](Parts& p, double x) {
+  table.ratio("thrust", "thrust of all rotors at a given speed", [](Parts& p, double x) {
     for (Rotor& rotor : p.flown.rotors) scale_thrust(rotor, x);
     return true;
   });
-  table.ratio("torque", "drag torque of all rotors at a speed", [](Parts& p, double x) {
+  table.ratio("torque", "drag torque of all rotors at a given speed", [](Parts& p, double x) {
     for (Rotor& rotor : p.flown.rotors) {
       rotor.torque_d2 *= x;
       rotor.torque_d1 *= x;
@@ -89,7 +89,7 @@ void add_motors(Table& table) {
   });
   for (std::size_t i = 0; i < 8; ++i)
     table.ratio(fmt::format("thrust_{}", i + 1),
-                fmt::format("thrust of rotor {} at a speed, beside `thrust`", i + 1),
+                fmt::format("thrust of rotor {} at a given speed, in addition to `thrust`", i + 1),
                 [i](Parts& p, double x) {
                   if (i >= p.flown.rotors.size()) return false;
                   scale_thrust(p.flown.rotors[i], x);
@@ -148,7 +148,7 @@ void add_air(Table& table) {
               });
 }
 
-/// The faults of a sensor by name; null where the vehicle has no such sensor.
+/// The faults of a sensor by name; null if the vehicle does not have the sensor.
 SensorFaults* faults_of(Sensors& sensors, const std::string& name) {
   const auto plain = [](std::optional<SensorFaults>& s) { return s ? &*s : nullptr; };
   if (name == "accelerometer") return plain(sensors.accelerometer);
@@ -165,7 +165,7 @@ struct SensorWords {
   const char* name;
   const char* unit;
   int axes;
-  double greatest;  ///< bias or noise, in the unit
+  double max;  ///< maximum bias or noise, in the sensor's unit
 };
 
 void add_sensor(Table& table, const SensorWords& sensor) {
@@ -182,13 +182,13 @@ void add_sensor(Table& table, const SensorWords& sensor) {
               with_faults([](SensorFaults& f, double x) { f.scale *= x; }));
   for (int axis = 0; axis < sensor.axes; ++axis)
     table.addition(sensor.axes == 1 ? name + "_bias" : fmt::format("{}_bias_{}", name, "xyz"[axis]),
-                   sensor.unit, sensor.greatest,
+                   sensor.unit, sensor.max,
                    sensor.axes == 1 ? fmt::format("bias of the {}", name)
                                     : fmt::format("bias of the {} along {}", name, "xyz"[axis]),
                    with_faults([axis](SensorFaults& f, double x) { f.bias(axis) += x; }));
   table.ratio(name + "_noise", fmt::format("noise of the {}", name),
               with_faults([](SensorFaults& f, double x) { f.noise *= x; }));
-  table.value(name + "_deviation", sensor.unit, 0, sensor.greatest,
+  table.value(name + "_deviation", sensor.unit, 0, sensor.max,
               fmt::format("standard deviation of a sample of the {}, every axis", name),
               with_faults([axes = sensor.axes](SensorFaults& f, double x) {
                 f.noise.head(axes).setConstant(x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What each uncertain quantity changes of a flight.
+/// Effects of the uncertain quantities on a flight.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace quadtune::internal {
 
-/// What is changed.
+/// The objects that a quantity can change.
 struct UncertainParts {
   Vehicle& flown;
   Environment& environment;
@@ -17,7 +17,7 @@ struct UncertainParts {
 
 struct QuantityEffect {
   UncertainQuantity quantity;
-  /// Changes the parts by what was drawn; false where the vehicle lacks the part.
+  /// Applies a drawn value; false if the vehicle does not have the affected component.
   std::function<bool(UncertainParts&, double)> change;
   bool of_sensor = false;
 };

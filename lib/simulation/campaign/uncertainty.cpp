@@ -24,7 +24,7 @@ namespace {
 using internal::quantity_effects;
 using internal::QuantityEffect;
 
-// Streams of random numbers beyond those of sensors and wind.
+// Random streams, numbered after those of sensors and wind.
 constexpr std::uint32_t kFirstStream = 0x10000;
 
 std::size_t index_of(const std::string& name, const std::string& where) {
@@ -43,8 +43,8 @@ std::size_t index_of(const std::string& name, const std::string& where) {
                          internal::printable(name), near));
 }
 
-/// The share of the standard normal distribution between `low` and `high` that lies below z, from
-/// the tail where it has digits.
+/// The quantile of a standard normal distribution truncated to [low, high] that corresponds to the
+/// standard normal number z, computed in the lower tail for accuracy.
 double within(double low, double high, double z) {
   const bool upper = low > 0;
   const double a = upper ? -high : low, b = upper ? -low : high;
@@ -55,7 +55,7 @@ double within(double low, double high, double z) {
   return std::clamp(upper ? -x : x, low, high);
 }
 
-/// Where the standard normal number of a normal or log-normal one is cut off.
+/// Truncation limits of the standard normal number of a normal or log-normal distribution.
 struct Cut {
   double low;
   double high;
@@ -67,7 +67,7 @@ Cut cut_of(const Distribution& d) {
       return x <= 0 ? -std::numeric_limits<double>::infinity() : std::log(x / d.first) / d.second;
     return (x - d.first) / d.second;
   };
-  return {standard(d.least), standard(d.most)};
+  return {standard(d.min), standard(d.max)};
 }
 
 void check(const Distribution& d, const UncertainQuantity& quantity, const std::string& where) {
@@ -77,7 +77,7 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
   const auto number = [&](double x, const char* name) {
     if (!std::isfinite(x)) refuse(fmt::format("{} is {}, expected a finite number", name, x));
   };
-  double low = d.least, high = d.most;
+  double low = d.min, high = d.max;
   switch (d.kind) {
     case DistributionKind::normal:
       number(d.first, "mean");
@@ -104,11 +104,12 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
     if (std::isnan(low) || std::isnan(high) || !(low < high))
       refuse(fmt::format("least is {} and most is {}, expected least below most", low, high));
     if (d.second == 0 && (d.first < low || d.first > high))
-      refuse(fmt::format("{} lies beyond least and most", d.first));
+      refuse(fmt::format("{} is outside least and most", d.first));
     const Cut cut = cut_of(d);
     if (d.second > 0 && (cut.low > 8 || cut.high < -8))
-      refuse("least and most leave nothing of the distribution, expected some within 8 deviations");
-    // Without limits a draw of one in 10¹⁵ counts as the last.
+      refuse("least and most exclude the whole distribution, expected a part within 8 deviations");
+    // Without limits, the extremes are taken at 8 standard deviations, a probability of about
+    // 10⁻¹⁵.
     if (d.second == 0) {
       low = high = d.first;
     } else {
@@ -116,12 +117,11 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
       high = std::min(high, value_at({d.kind, d.first, d.second}, 8));
     }
   }
-  if (low < quantity.least || high > quantity.greatest)
-    refuse(
-        fmt::format("draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
-                    "and most limit a distribution",
-                    low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.least,
-                    quantity.greatest));
+  if (low < quantity.min || high > quantity.max)
+    refuse(fmt::format(
+        "draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
+        "and most limit a distribution",
+        low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.min, quantity.max));
 }
 
 void check_correlation(const Uncertainty& uncertainty, const std::string& where) {
@@ -131,11 +131,10 @@ void check_correlation(const Uncertainty& uncertainty, const std::string& where)
   require_shape(C, n, n, where, "correlation", fmt::format("{} quantities", n));
   require_finite(C, where, "correlation");
   require_symmetric(C, where, "correlation");
-  if (!C.diagonal().isOnes(1e-12))
-    throw InvalidInput(where, "correlation: the diagonal is not 1, expected ones");
+  if (!C.diagonal().isOnes(1e-12)) throw InvalidInput(where, "correlation: the diagonal must be 1");
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C);
   if (!(eigen.eigenvalues()(0) > 1e-10)) {
-    // The quantities that stand in each other's way.
+    // Name the quantities whose correlations contradict each other.
     const Eigen::VectorXd v = eigen.eigenvectors().col(0).cwiseAbs();
     std::vector<std::string> culprits;
     for (Eigen::Index i = 0; i < n; ++i)
@@ -174,13 +173,13 @@ double value_at(const Distribution& d, double z) {
   if (d.kind == DistributionKind::uniform)
     return std::min(d.second, d.first + internal::normal_below(z) * (d.second - d.first));
   if (d.second == 0) return d.first;
-  if (std::isfinite(d.least) || std::isfinite(d.most)) {
+  if (std::isfinite(d.min) || std::isfinite(d.max)) {
     const Cut cut = cut_of(d);
     z = within(cut.low, cut.high, z);
   }
   const double value = d.kind == DistributionKind::normal ? d.first + d.second * z
                                                           : d.first * std::exp(d.second * z);
-  return std::clamp(value, d.least, d.most);
+  return std::clamp(value, d.min, d.max);
 }
 
 void validate(const Uncertainty& uncertainty, const std::string& where) {
@@ -190,7 +189,7 @@ void validate(const Uncertainty& uncertainty, const std::string& where) {
     for (std::size_t j = 0; j < i; ++j)
       if (uncertainty.numbers[j].quantity == number.quantity)
         throw InvalidInput(
-            where, fmt::format("{} varies twice, expected each quantity once", number.quantity));
+            where, fmt::format("{} is given twice, expected each quantity once", number.quantity));
   }
   check_correlation(uncertainty, where);
 }
@@ -223,8 +222,8 @@ void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorX
                          "the flight has ideal sensors, expected sensors = \"real\" for a "
                          "quantity of a sensor");
     if (!effect.change(parts, drawn(static_cast<Eigen::Index>(i))))
-      throw InvalidInput(name, fmt::format("the vehicle '{}' has nothing that it changes, expected "
-                                           "a quantity of what it has",
+      throw InvalidInput(name, fmt::format("the vehicle '{}' has no such component, expected "
+                                           "a quantity of a component that it has",
                                            setup.vehicle.name));
   }
 }

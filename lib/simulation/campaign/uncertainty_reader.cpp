@@ -15,7 +15,7 @@
 namespace quadtune::internal {
 namespace {
 
-/// A variance that a fit found, as the standard deviation of a sensor's samples.
+/// Distribution of a sensor's standard deviation from a variance that was fitted to logs.
 Distribution read_fitted(const TomlTable& table, const UncertainQuantity& quantity,
                          const std::filesystem::path& folder) {
   table.allow({{"file"}, {"parameter"}});
@@ -30,9 +30,10 @@ Distribution read_fitted(const TomlTable& table, const UncertainQuantity& quanti
   if (!parameter.logarithmic || !parameter.interval)
     throw InvalidInput(table.where("parameter"),
                        fmt::format("{} of the model '{}' has no interval, expected a variance that "
-                                   "`quadtune tune kalman -o` found",
+                                   "`quadtune tune kalman -o` estimated",
                                    parameter.name, model.name));
-  // The interval holds 95 % and is one of the variance's logarithm: half of it is the deviation's.
+  // The 95 % interval refers to the logarithm of the variance; that of the standard deviation is
+  // half as wide.
   constexpr double kQuantile = 1.959963984540054;
   const auto& [low, high] = *parameter.interval;
   return {DistributionKind::log_normal, std::sqrt(parameter.start),
@@ -67,12 +68,12 @@ Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& q
   const std::string centre = logarithmic ? "median" : "mean";
   table.allow({{centre}, {"deviation"}, {"least"}, {"most"}});
   result.kind = logarithmic ? DistributionKind::log_normal : DistributionKind::normal;
-  // A value that takes the place of another has no centre of its own.
+  // A value that replaces another one has no default centre.
   result.first = quantity.kind == QuantityKind::value ? table.number(centre)
                                                       : table.number_or(centre, nominal);
   result.second = table.number("deviation");
-  result.least = table.number_or("least", result.least);
-  result.most = table.number_or("most", result.most);
+  result.min = table.number_or("least", result.min);
+  result.max = table.number_or("most", result.max);
   return result;
 }
 
@@ -84,10 +85,11 @@ std::size_t position_of(const Uncertainty& uncertainty, const std::string& name,
     known.push_back(number.quantity);
   }
   throw InvalidInput(
-      where, fmt::format("'{}' does not vary, expected {}{}", printable(name),
-                         known.empty() ? "a [[vary]] for it"
-                                       : fmt::format("some of {}", internal::joined(known, ", ")),
-                         did_you_mean(name, known)));
+      where,
+      fmt::format("'{}' is not an uncertain quantity of this file, expected {}{}", printable(name),
+                  known.empty() ? "a [[vary]] for it"
+                                : fmt::format("some of {}", internal::joined(known, ", ")),
+                  did_you_mean(name, known)));
 }
 
 void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {
@@ -105,7 +107,7 @@ void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {
           position_of(uncertainty, names[j], table.where("quantities", j)));
       if (a == b)
         throw InvalidInput(table.where("quantities", i),
-                           fmt::format("{} stands twice, expected each quantity once", names[i]));
+                           fmt::format("{} is given twice, expected each quantity once", names[i]));
       if (uncertainty.correlation(a, b) != 0)
         throw InvalidInput(
             table.where("quantities", i),

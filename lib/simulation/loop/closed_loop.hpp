@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Vehicle, sensors, estimator, law and motors in one loop, for N flights at once that differ in
-/// numbers only. Made in closed_loop_making.hpp, flown in
-/// closed_loop_flying.hpp.
+/// Vehicle, sensors, estimator, law and motors in one loop, for N simultaneous flights that differ
+/// in numbers only. Constructed in closed_loop_making.hpp, simulated in closed_loop_flying.hpp.
 #pragma once
 
 #include <fmt/format.h>
@@ -34,7 +33,7 @@
 
 namespace quadtune::internal {
 
-/// Streams of random numbers, each sensor four of its own.
+/// Streams of random numbers, four per sensor.
 enum Stream : std::uint32_t {
   kAccelerometerStream = 0,
   kGyroscopeStream = 4,
@@ -47,7 +46,7 @@ enum Stream : std::uint32_t {
   kWindStream = 32,
   kVisionStream = 48,
   kCommandStream = 64,
-  kVibrationStream = 80,  ///< one a rotor
+  kVibrationStream = 80,  ///< one per rotor
 };
 
 /// @tparam R  as Plant's N
@@ -110,7 +109,7 @@ class ClosedLoop {
   void report_to_law(const Inputs& asked, const Inputs& made);
   void follow_schedule(Reference<P>& reference);
   [[nodiscard]] Inputs inputs_of_speeds() const;
-  [[nodiscard]] RotorSpeeds<P> believed_thrusts() const;
+  [[nodiscard]] RotorSpeeds<P> model_thrusts() const;
   void watch(double t);
   void tell(RotorSpeeds<P> speeds);
   void advance(std::uint64_t index, double t);
@@ -122,15 +121,15 @@ class ClosedLoop {
   [[nodiscard]] StateVector<P> euler_state_now() const;
 
   Lanes setups_;
-  const FlightSetup& common_;  ///< the first lane: what is the same in all
+  const FlightSetup& common_;  ///< the first lane, for everything that is equal in all lanes
   double dt_;
   int substeps_;
   RandomSource<N> source_;
   PlantOf plant_;
   State x_, x_before_, slope_before_;
-  bool between_ = false;  ///< whether x_before_ and slope_before_ hold the period before
+  bool between_ = false;  ///< whether x_before_ and slope_before_ are those of the previous period
 
-  /// A part of the last control period in which one command acts.
+  /// A part of the last control period during which the command is constant.
   struct Piece {
     double begin = 0, end = 0;  ///< [s]
     RotorSpeeds<P> speeds;
@@ -141,9 +140,9 @@ class ClosedLoop {
   [[nodiscard]] Vector3<P> shake_at(const RotorVibration<N>& shake, double instant, double now,
                                     const State& x) const;
   CommandDelay<N> late_;
-  std::vector<Piece> pieces_;  ///< of the last control period; empty where no command is late
+  std::vector<Piece> pieces_;  ///< of the last control period; empty if commands have no delay
   std::size_t next_event_ = 0;
-  std::vector<int> stopped_;  ///< motors that failed, the first is 0
+  std::vector<int> stopped_;  ///< failed motors, numbered from 0
   RotorPhases<N> phases_;
   RotorVibration<N> accelerometer_shake_, gyroscope_shake_;
   Vector3<P> g_sensitivity_ = Vector3<P>::Zero();
@@ -162,16 +161,17 @@ class ClosedLoop {
   std::optional<SensorChannel<N, 1>> barometer_, sonar_;
   std::optional<SensorChannel<N, 2>> flow_;
   std::array<Sensors, N> sensors_;
-  P sonar_least_, sonar_greatest_, sonar_cosine_, ground_pressure_, pressure_fall_;
+  P sonar_min_, sonar_max_, sonar_cosine_, ground_pressure_, pressure_fall_;
   bool linear_pressure_ = false;
-  P flow_a2_, flow_b2_, flow_least_height_, flow_greatest_height_, flow_growth_, flow_gain_;
-  bool flow_grows_ = false;  ///< whether its noise grows with height
+  P flow_a2_, flow_b2_, flow_min_height_, flow_max_height_, flow_growth_, flow_gain_;
+  bool flow_grows_ = false;  ///< whether its noise increases with height
   SensorFrame<P> frame_;
 
   std::optional<EstimatorSlot<N>> estimator_;
   Estimate<P> estimate_;
 
-  std::vector<MissionRunner> runners_;  ///< one, or one a lane where they look at the estimate
+  /// One for all lanes, or one per lane if they depend on the estimate
+  std::vector<MissionRunner> runners_;
   std::array<Reference<double>, N> references_;
   Reference<P> reference_;
 
@@ -179,16 +179,17 @@ class ClosedLoop {
   CascadedPidState<P> cascade_;
   StateFeedbackSettings<P> feedback_settings_;
   StateFeedbackState<P> feedback_;
-  std::vector<ScheduledFeedback> schedules_;          ///< one a lane, or none
-  std::vector<std::unique_ptr<FlightLaw>> own_laws_;  ///< one a lane, or none
-  InputKind input_kind_ = InputKind::wrench;  ///< of a state feedback or a law of the user's own
-  int inputs_ = 4;                            ///< their number
+  std::vector<ScheduledFeedback> schedules_;          ///< one per lane, or empty
+  std::vector<std::unique_ptr<FlightLaw>> own_laws_;  ///< one per lane, or empty
+  InputKind input_kind_ = InputKind::wrench;          ///< of a state feedback or a user-defined law
+  int inputs_ = 4;                                    ///< their number
   Allocation<P> allocation_;
   ThrustLimits<P> limits_;
   MotorStage<N> motors_;
-  RotorSpeeds<P> speeds_;  ///< that the motors are told [rad/s]
-  Eigen::Matrix<P, 4, 1> wrench_ = Eigen::Matrix<P, 4, 1>::Zero();  ///< that the law asks for
-  Eigen::Matrix<P, 4, 1> made_ = Eigen::Matrix<P, 4, 1>::Zero();    ///< that the motors are told
+  RotorSpeeds<P> speeds_;                                           ///< commanded [rad/s]
+  Eigen::Matrix<P, 4, 1> wrench_ = Eigen::Matrix<P, 4, 1>::Zero();  ///< requested by the law
+  /// Corresponding to the commanded speeds
+  Eigen::Matrix<P, 4, 1> made_ = Eigen::Matrix<P, 4, 1>::Zero();
   Mask<N> saturated_, off_;
   std::optional<Battery> battery_;
   BatteryState<P> charge_;
@@ -198,7 +199,7 @@ class ClosedLoop {
   Mask<N> alive_{true};
   std::array<FlightResult, N> results_;
   FlightMetrics<P> metrics_;
-  std::vector<FlightRecorder> recorders_;  ///< one a lane that is logged, else none
+  std::vector<FlightRecorder> recorders_;  ///< one per logged lane, otherwise empty
   std::array<MissionEvent, N> last_event_{};
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control periods of a flight. Order within one: docs/theory.md, "Simulated flight".
+/// The control periods of a flight. docs/theory.md, "Simulated flight", describes the order of
+/// computation.
 #pragma once
 
 #include "simulation/loop/closed_loop.hpp"
@@ -87,7 +88,7 @@ void ClosedLoop<N, R>::carry(double t) {
   for (int i = 0; i < kRotorSpeeds; ++i) x_(i) = P(x(i));
 }
 
-/// The state at an instant of the period that ends now: cubic between its ends.
+/// The state at an instant of the period that ends now, by cubic interpolation between its ends.
 template <int N, int R>
 typename ClosedLoop<N, R>::State ClosedLoop<N, R>::truth_at(double instant, double now) const {
   const double s = 1 + (instant - now) / dt_;
@@ -111,11 +112,12 @@ typename ClosedLoop<N, R>::State ClosedLoop<N, R>::truth_at(double instant, doub
 template <int N, int R>
 void ClosedLoop<N, R>::estimate(double t) {
   const Mask<N> stands =
-      either(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
+      logical_or(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
   const bool may_stand = !common_.mission.start.in_air && !carried_;
   StateVector<P> truth = StateVector<P>::Zero();
   if (estimator_->needs_truth()) truth = euler_state_now();
-  estimate_ = estimator_->update({t, frame_, speeds_, both(stands, Mask<N>(may_stand)), truth});
+  estimate_ =
+      estimator_->update({t, frame_, speeds_, logical_and(stands, Mask<N>(may_stand)), truth});
 }
 
 template <int N, int R>
@@ -140,7 +142,7 @@ void ClosedLoop<N, R>::refer(double t) {
     }
     note(l, runners_[each_lane ? l : 0].event());
   }
-  // One phase for all: what differs is whether a vehicle has switched its motors off.
+  // All lanes have the same phase; only the motor stop differs from vehicle to vehicle.
   FlightPhase phase = FlightPhase::off;
   Mask<N> off;
   for (int l = 0; l < N; ++l) {
@@ -160,12 +162,12 @@ void ClosedLoop<N, R>::refer(double t) {
   reference_.track_position = references_[0].track_position;
   reference_.motors = references_[0].motors;
   reference_.phase = phase;
-  off_ = either(off_, off);
+  off_ = logical_or(off_, off);
 }
 
-/// The thrusts at which the speeds that the motors are told aim, by the believed curves.
+/// The thrusts that correspond to the commanded speeds, by the rotor curves of the vehicle model.
 template <int N, int R>
-RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
+RotorSpeeds<Pack<N>> ClosedLoop<N, R>::model_thrusts() const {
   RotorSpeeds<P> thrusts(speeds_.size());
   for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -174,20 +176,20 @@ RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
   return thrusts;
 }
 
-/// The speeds that the motors are told, in the kind of input of the law.
+/// The commanded speeds, converted to the law's kind of input.
 template <int N, int R>
 typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::inputs_of_speeds() const {
   Inputs inputs = Inputs::Zero();
   const Eigen::Index rotors = speeds_.size();
   switch (input_kind_) {
     case InputKind::wrench:
-      inputs.template head<4>() = wrench_of_thrusts(allocation_, believed_thrusts());
+      inputs.template head<4>() = wrench_of_thrusts(allocation_, model_thrusts());
       break;
     case InputKind::rotor_speed:
       inputs.head(rotors) = speeds_;
       break;
     case InputKind::rotor_thrust:
-      inputs.head(rotors) = believed_thrusts();
+      inputs.head(rotors) = model_thrusts();
       break;
     case InputKind::command:
       motors_.commands_of_speeds(speeds_, inputs);
@@ -205,17 +207,18 @@ void ClosedLoop<N, R>::command_by_cascade() {
     made_ = limited.wrench;
     speeds_ = speeds_of_wrench(allocation_, made_);
     motors_.limit(speeds_, saturated_);
-    saturated_ = either(saturated_, limited.limited);
+    saturated_ = logical_or(saturated_, limited.limited);
   } else {
     speeds_ = speeds_of_wrench(allocation_, wrench_);
     motors_.limit(speeds_, saturated_);
     if (common_.log || cascade_settings_.conditional_integration)
       made_ = clipped(allocation_, limits_, wrench_).wrench;
   }
-  carried_out(cascade_settings_, cascade_, wrench_, made_);
+  on_realized(cascade_settings_, cascade_, wrench_, made_);
 }
 
-/// Gains and trims of this period; the trim has the part of the reference's velocity that it knows.
+/// Updates gains and trims for this period; the trim accounts for the reference velocity as far as
+/// the schedule covers it.
 template <int N, int R>
 void ClosedLoop<N, R>::follow_schedule(Reference<P>& reference) {
   for (int l = 0; l < N; ++l) {
@@ -244,7 +247,7 @@ typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::feedback_inputs() {
   return step(feedback_settings_, feedback_, estimate_, reference);
 }
 
-/// What the laws of the user's own ask for; where one fails, what the motors do already.
+/// Commands of user-defined laws; if a law fails, its lane repeats the present command.
 template <int N, int R>
 typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
   Inputs u = inputs_of_speeds();
@@ -267,7 +270,7 @@ typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
   return u;
 }
 
-/// Sets the speeds, before limits, and the wrench for what the law asks.
+/// Computes the rotor speeds, before limits, and the wrench from the law's command.
 template <int N, int R>
 void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
   switch (input_kind_) {
@@ -277,7 +280,7 @@ void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
         speeds_ = speeds_of_wrench(allocation_, wrench_);
       return;
     case InputKind::rotor_speed:
-      for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = greater(u(i), P(0));
+      for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = max_of(u(i), P(0));
       break;
     case InputKind::rotor_thrust:
       for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
@@ -293,24 +296,24 @@ void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
   wrench_ << -loads.force.z(), loads.torque;
 }
 
-/// By AllocationRule::prioritized: the nearest wrench that the motors can make, and its speeds.
-/// Returns where that is another than the law asks for.
+/// AllocationRule::prioritized: computes the nearest feasible wrench and its speeds. Returns the
+/// lanes in which it differs from the law's command.
 template <int N, int R>
 Mask<N> ClosedLoop<N, R>::make_feasible() {
   const bool by_rotor = input_kind_ != InputKind::wrench;
   Mask<N> limited = false;
   Eigen::Matrix<P, 4, 1> asked = wrench_;
   if (by_rotor) {
-    const RotorSpeeds<P> thrusts = believed_thrusts();
+    const RotorSpeeds<P> thrusts = model_thrusts();
     asked = wrench_of_thrusts(allocation_, thrusts);
     for (Eigen::Index i = 0; i < thrusts.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
       limited =
-          either(limited, either(thrusts(i) < limits_.least[k], thrusts(i) > limits_.greatest[k]));
+          logical_or(limited, logical_or(thrusts(i) < limits_.min[k], thrusts(i) > limits_.max[k]));
     }
   }
   const LimitedWrench<P> feasible = prioritized(allocation_, limits_, asked);
-  limited = either(limited, feasible.limited);
+  limited = logical_or(limited, feasible.limited);
   const RotorSpeeds<P> told = speeds_of_wrench(allocation_, feasible.wrench);
   for (int i = 0; i < 4; ++i) made_(i) = select(limited, feasible.wrench(i), wrench_(i));
   for (Eigen::Index i = 0; i < speeds_.size(); ++i)
@@ -318,7 +321,7 @@ Mask<N> ClosedLoop<N, R>::make_feasible() {
   return limited;
 }
 
-/// By a law that asks for inputs of a kind: a state feedback, or one of the user's own.
+/// Computes the command of a state feedback or a user-defined law.
 template <int N, int R>
 void ClosedLoop<N, R>::command_by_inputs(double t) {
   const bool clips = common_.allocation == AllocationRule::clipped;
@@ -329,7 +332,7 @@ void ClosedLoop<N, R>::command_by_inputs(double t) {
   if (common_.allocation == AllocationRule::prioritized) limited = make_feasible();
   motors_.limit(speeds_, saturated_);
   if (clips) limited = saturated_;
-  saturated_ = either(saturated_, limited);
+  saturated_ = logical_or(saturated_, limited);
   if (!feedback_settings_.remembers && !feedback_settings_.conditional_integration &&
       own_laws_.empty() && !common_.log)
     return;
@@ -338,15 +341,15 @@ void ClosedLoop<N, R>::command_by_inputs(double t) {
   for (int i = 0; i < inputs_; ++i) carried(i) = select(limited, told(i), u(i));
   if (clips)
     made_ = input_kind_ == InputKind::wrench ? Eigen::Matrix<P, 4, 1>(carried.template head<4>())
-                                             : wrench_of_thrusts(allocation_, believed_thrusts());
+                                             : wrench_of_thrusts(allocation_, model_thrusts());
   report_to_law(u, carried);
 }
 
-/// Reports what the motors carry out of what the law asked for.
+/// Reports to the law the part of its command that the motors realize.
 template <int N, int R>
 void ClosedLoop<N, R>::report_to_law(const Inputs& asked, const Inputs& made) {
   if (own_laws_.empty()) {
-    carried_out(feedback_settings_, feedback_, asked, made);
+    on_realized(feedback_settings_, feedback_, asked, made);
     return;
   }
   for (int l = 0; l < N; ++l) {
@@ -354,7 +357,7 @@ void ClosedLoop<N, R>::report_to_law(const Inputs& asked, const Inputs& made) {
       return Eigen::VectorXd(all.head(inputs_).unaryExpr([l](const P& x) { return lane(x, l); }));
     };
     if (lane(alive_, l))
-      own_laws_[static_cast<std::size_t>(l)]->carried_out(of_lane(asked), of_lane(made));
+      own_laws_[static_cast<std::size_t>(l)]->on_realized(of_lane(asked), of_lane(made));
   }
 }
 
@@ -378,7 +381,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
     speeds_.setConstant(P(0));
   }
   if (!lawful) {
-    made_ = wrench_of_thrusts(allocation_, believed_thrusts());
+    made_ = wrench_of_thrusts(allocation_, model_thrusts());
     if (feedback_settings_.remembers || !own_laws_.empty()) {
       const Inputs told = inputs_of_speeds();
       report_to_law(told, told);
@@ -389,7 +392,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
     made_(i) = select(off_, P(0), made_(i));
   }
   for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = select(off_, P(0), speeds_(i));
-  saturated_ = both(saturated_, negated(off_));
+  saturated_ = logical_and(saturated_, logical_not(off_));
   if (battery_) motors_.supply(*battery_, charge_, speeds_, saturated_);
   for (const int motor : stopped_) speeds_(motor) = P(0);
   power_ = 0;
@@ -399,7 +402,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
     const P w = R == 0 && !late_.active() ? speeds_(i) : turning(i);
     power_ += rotor_torque(rotor, w, plant_.body().density_ratio) * w;
   }
-  power_ = greater(power_, P(0));
+  power_ = max_of(power_, P(0));
   if (battery_) step(*battery_, charge_, power_, dt_);
 }
 
@@ -417,22 +420,22 @@ void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end,
   }
 }
 
-/// Safety exits. What has no meaning on the ground is looked at in flight only.
+/// Checks the safety limits. Those that are meaningless on the ground are checked in flight only.
 template <int N, int R>
 void ClosedLoop<N, R>::watch(double t) {
   const SafetyLimits& safety = common_.safety;
   if (battery_) {
     const Mask<N> empty = charge_.voltage < P(battery_->cutoff_voltage);
-    if (any(both(empty, alive_)))
+    if (any(logical_and(empty, alive_)))
       end_flight(empty, t, FlightEnd::safety_exit, "battery", "the voltage fell below its cut-off");
     const Mask<N> spent = charge_.charge >= P(battery_->capacity);
-    if (any(both(spent, alive_)))
+    if (any(logical_and(spent, alive_)))
       end_flight(spent, t, FlightEnd::safety_exit, "battery", "its charge is spent");
   }
-  const Mask<N> lost = negated(estimate_.finite);
-  if (any(both(lost, alive_))) {
+  const Mask<N> lost = logical_not(estimate_.finite);
+  if (any(logical_and(lost, alive_))) {
     for (std::size_t l = 0; l < N; ++l)
-      if (lane(both(lost, alive_), static_cast<int>(l)))
+      if (lane(logical_and(lost, alive_), static_cast<int>(l)))
         results_[l].culprit = estimator_->culprit(l);
     end_flight(lost, t, FlightEnd::safety_exit, "estimator", "the estimate is not finite");
   }
@@ -444,30 +447,31 @@ void ClosedLoop<N, R>::watch(double t) {
     return;
   }
   using std::cos;
-  const Mask<N> in_flight = negated(off_);
+  const Mask<N> in_flight = logical_not(off_);
   const P force2 = frame_.specific_force.value.squaredNorm();
-  const Mask<N> collided = both(both(in_flight, frame_.specific_force.fresh),
-                                force2 > P(safety.collision * safety.collision));
-  if (any(both(collided, alive_)))
+  const Mask<N> collided = logical_and(logical_and(in_flight, frame_.specific_force.fresh),
+                                       force2 > P(safety.collision * safety.collision));
+  if (any(logical_and(collided, alive_)))
     end_flight(collided, t, FlightEnd::safety_exit, "collision",
                fmt::format("the accelerometer read more than {} m/s²", safety.collision));
   const P upright = cos(estimate_.x(3)) * cos(estimate_.x(4));
-  const Mask<N> tilted = both(in_flight, upright < P(std::cos(safety.tilt)));
-  if (any(both(tilted, alive_)))
+  const Mask<N> tilted = logical_and(in_flight, upright < P(std::cos(safety.tilt)));
+  if (any(logical_and(tilted, alive_)))
     end_flight(tilted, t, FlightEnd::safety_exit, "tilt",
-               fmt::format("the believed attitude is tilted by more than {} rad", safety.tilt));
+               fmt::format("the estimated attitude is tilted by more than {} rad", safety.tilt));
   if (const auto* settings = estimator_->needs_flow();
       settings != nullptr && common_.flow != FlowModel::off) {
-    const Mask<N> high = -estimate_.x(2) > P(settings->flow_least_height);
-    const Mask<N> blind = both(both(in_flight, high), frame_.flow.age > settings->flow_timeout);
+    const Mask<N> high = -estimate_.x(2) > P(settings->flow_min_height);
+    const Mask<N> blind =
+        logical_and(logical_and(in_flight, high), frame_.flow.age > settings->flow_timeout);
     flow_lost_time_ = select(blind, flow_lost_time_ + P(dt_), P(0));
     const Mask<N> too_long = flow_lost_time_ > P(safety.flow_lost_time);
-    if (any(both(too_long, alive_)))
-      end_flight(too_long, t, FlightEnd::safety_exit, "flow-lost", "no optical flow came");
-    const Mask<N> differs = both(in_flight, estimate_.flow_disagrees);
+    if (any(logical_and(too_long, alive_)))
+      end_flight(too_long, t, FlightEnd::safety_exit, "flow-lost", "no optical flow arrived");
+    const Mask<N> differs = logical_and(in_flight, estimate_.flow_disagrees);
     disagreement_time_ = select(differs, disagreement_time_ + P(dt_), P(0));
     const Mask<N> for_long = disagreement_time_ > P(safety.disagreement_time);
-    if (any(both(for_long, alive_)))
+    if (any(logical_and(for_long, alive_)))
       end_flight(for_long, t, FlightEnd::safety_exit, "disagreement",
                  "optical flow and estimated velocity differ");
   }
@@ -501,14 +505,14 @@ void ClosedLoop<N, R>::advance(std::uint64_t index, double t) {
 
 template <int N, int R>
 void ClosedLoop<N, R>::check_divergence(double t) {
-  // Far beyond what any flight does: 1000 km, 1000 rad/s …
+  // Limits far beyond those of any flight: 1000 km, 1000 rad/s …
   static constexpr std::array<double, 4> kBounds = {1e6, 2, 1e4, 1e4};
   static constexpr std::array<int, 5> kParts = {0, 3, 7, 10, 13};
   Mask<N> good = true;
   for (std::size_t part = 0; part < 4; ++part)
     for (int i = kParts[part]; i < kParts[part + 1]; ++i)
-      good = both(good, magnitude(x_(i)) <= P(kBounds[part]));  // false for NaN
-  if (all(either(good, negated(alive_)))) return;
+      good = logical_and(good, abs_of(x_(i)) <= P(kBounds[part]));  // false for NaN
+  if (all(logical_or(good, logical_not(alive_)))) return;
   static constexpr std::array<const char*, 13> kNames = {"px", "py", "pz", "qw", "qx", "qy", "qz",
                                                          "u",  "v",  "w",  "p",  "q",  "r"};
   for (int l = 0; l < N; ++l) {
@@ -537,7 +541,7 @@ template <int N, int R>
 FlightResult ClosedLoop<N, R>::result(int l) {
   FlightResult& result = results_[static_cast<std::size_t>(l)];
   result.metrics = metrics_.values(l);
-  // Samples are fence posts, of which there is one more than periods.
+  // The duration is the end time, since there is one more sample than control periods.
   result.metrics.value[static_cast<std::size_t>(Metric::duration)] = result.end_time;
   if (lane(alive_, l)) keep_final(l);
   if (!recorders_.empty())

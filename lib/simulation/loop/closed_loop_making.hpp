@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From setups to a loop that can be flown: numbers that differ from flight to flight into lanes.
+/// Constructs a loop from setups: numbers that differ between the flights become lanes.
 #pragma once
 
 #include "quadtune/simulation/packed_body.hpp"
@@ -29,12 +29,12 @@ template <int N, int R>
 void ClosedLoop<N, R>::make_plant() {
   const BasicRigidBody<P> body = packed_body<N>(
       each<RigidBody>(setups_, [](const FlightSetup& s) { return RigidBody(flown_vehicle(s)); }));
-  P reach = 0;  // the feet stand where the rotors are
+  P reach = 0;  // the feet are below the rotors
   for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
     const Vector3<P>& hub = body.rotors[i].position;
-    reach = greater(reach, greater(magnitude(hub(0)), magnitude(hub(1))));
+    reach = max_of(reach, max_of(abs_of(hub(0)), abs_of(hub(1))));
   }
-  plant_ = PlantOf(body, ground_contact(body.mass, lesser(body.J(0, 0), body.J(1, 1)), reach));
+  plant_ = PlantOf(body, ground_contact(body.mass, min_of(body.J(0, 0), body.J(1, 1)), reach));
   motors_ = MotorStage<N>(
       each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown_vehicle(s); }));
   battery_ = flown_vehicle(common_).battery;
@@ -85,17 +85,17 @@ void ClosedLoop<N, R>::make_sensors() {
   }
   if (first.sonar) {
     sonar_.emplace(faults([](const Sensors& s) { return s.sonar->faults; }), kSonarStream);
-    sonar_least_ = number([](const Sensors& s) { return s.sonar->least_range; });
-    sonar_greatest_ = number([](const Sensors& s) { return s.sonar->greatest_range; });
-    sonar_cosine_ = number([](const Sensors& s) { return std::cos(s.sonar->greatest_tilt); });
+    sonar_min_ = number([](const Sensors& s) { return s.sonar->min_range; });
+    sonar_max_ = number([](const Sensors& s) { return s.sonar->max_range; });
+    sonar_cosine_ = number([](const Sensors& s) { return std::cos(s.sonar->max_tilt); });
   }
   if (first.flow) {
     flow_.emplace(faults([](const Sensors& s) { return s.flow->faults; }), kFlowStream);
     const auto square_of_tangent = [](double angle) { return std::tan(angle) * std::tan(angle); };
     flow_a2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_x); });
     flow_b2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_y); });
-    flow_least_height_ = number([](const Sensors& s) { return s.flow->least_height; });
-    flow_greatest_height_ = number([](const Sensors& s) { return s.flow->greatest_height; });
+    flow_min_height_ = number([](const Sensors& s) { return s.flow->min_height; });
+    flow_max_height_ = number([](const Sensors& s) { return s.flow->max_height; });
     flow_growth_ = number([](const Sensors& s) { return s.flow->noise_per_height; });
     flow_grows_ = any(flow_growth_ > P(0));
     flow_gain_ = number([](const Sensors& s) { return s.flow->simplified_rate_gain; });
@@ -128,7 +128,7 @@ void ClosedLoop<N, R>::make_law() {
       const auto& controller = std::get<OwnController>(setup->controller);
       own_laws_.push_back(controller.make(setup->vehicle));
       if (!own_laws_.back())
-        throw InvalidInput("law " + controller.name, "make() returned nothing, expected a law");
+        throw InvalidInput("law " + controller.name, "make() returned null, expected a law");
     }
   } else {
     feedback_settings_ = packed_feedback<N>(setups_);
@@ -165,7 +165,7 @@ void ClosedLoop<N, R>::start() {
             speed_for_thrust(allocation_.thrust0(i), allocation_.a2[static_cast<std::size_t>(i)],
                              allocation_.a1[static_cast<std::size_t>(i)]);
     } else {
-      // At rest on its feet.
+      // Equilibrium on its feet.
       x_(2) = plant_.body().mass * plant_.body().gravity / (P(4) * plant_.ground.stiffness) -
               plant_.ground.leg_height;
     }

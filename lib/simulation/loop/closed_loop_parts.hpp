@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a setup means before anything is flown.
+/// Functions of a setup that do not depend on the lanes.
 #pragma once
 
 #include "quadtune/simulation/flight.hpp"
 
 namespace quadtune::internal {
 
-/// One flight a lane; setups are of one structure, see same_structure().
-/// @tparam N  lanes;  @tparam R  rotors with lag, as Plant's N
+/// Simulates one flight per lane. All setups have one structure, see same_structure().
+/// @tparam N  number of lanes;  @tparam R  number of rotors with lag, as Plant's N
 template <int N, int R>
 [[nodiscard]] std::array<FlightResult, N> fly_together(
     const std::array<const FlightSetup*, N>& setups, const std::function<bool()>& interrupted);
 
-/// What is wrong with the inputs that an OwnController's law asks for; empty if they can be flown.
+/// Describes what is wrong with the command of a user-defined law; empty if it is valid.
 [[nodiscard]] std::string law_fault(const FlightSetup& setup, const Eigen::VectorXd& inputs,
                                     int expected);
 
-/// Whether two flights differ in numbers only and can share a pack.
+/// Whether two flights differ in numbers only, so that they can share a pack.
 [[nodiscard]] bool same_structure(const FlightSetup& a, const FlightSetup& b);
 
 }  // namespace quadtune::internal

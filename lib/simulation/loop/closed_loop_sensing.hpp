@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the sensors of a loop measure: each takes the samples that are due by the end of a control
-/// period, of the true state at the instant of the sample, and delivers those that have arrived.
+/// Simulates the sensors of a loop: each takes the samples that are due by the end of a control
+/// period, from the true state at the instant of the sample, and delivers those that have arrived.
 #pragma once
 
 #include <limits>
@@ -88,8 +88,8 @@ void ClosedLoop<N, R>::sense_ground(double now) {
     const State x = true_state(sonar_->next(), now);
     const Matrix3<P> M = rotation_of(x);
     const P range = -x(2) / M(2, 2);
-    const Mask<N> echo =
-        both(both(range >= sonar_least_, range <= sonar_greatest_), M(2, 2) >= sonar_cosine_);
+    const Mask<N> echo = logical_and(logical_and(range >= sonar_min_, range <= sonar_max_),
+                                     M(2, 2) >= sonar_cosine_);
     sonar_->take(
         Eigen::Matrix<P, 1, 1>(select(echo, range, P(std::numeric_limits<double>::quiet_NaN()))),
         source_);
@@ -104,7 +104,8 @@ void ClosedLoop<N, R>::sense_ground(double now) {
     if (common_.flow == FlowModel::simplified) {
       flow << -v.x() + flow_gain_ * w.y() * height, -v.y() - flow_gain_ * w.x() * height;
     } else {
-      // Over level ground 1/Z is linear in the image, so the mean of the field has a closed form.
+      // Over level ground 1/Z is linear in the image coordinates, so the mean motion field has a
+      // closed form.
       const P a = flow_a2_ * P(1.0 / 3), b = flow_b2_ * P(1.0 / 3);
       flow << (v.z() * M(2, 0) * a - v.x() * M(2, 2)) / height - w.y() * (P(1) + a),
           (v.z() * M(2, 1) * b - v.y() * M(2, 2)) / height + w.x() * (P(1) + b);
@@ -112,7 +113,7 @@ void ClosedLoop<N, R>::sense_ground(double now) {
     const P growth = flow_growth_ * height;
     flow_->take(
         flow, source_,
-        either(either(height<flow_least_height_, height> flow_greatest_height_), M(2, 2) <= P(0)),
+        logical_or(logical_or(height<flow_min_height_, height> flow_max_height_), M(2, 2) <= P(0)),
         nullptr, flow_grows_ ? &growth : nullptr);
   }
 }

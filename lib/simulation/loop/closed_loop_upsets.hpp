@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What happens to a flight from outside, and commands that come late.
+/// Events, and commands that arrive with a delay.
 #pragma once
 
 #include "simulation/loop/closed_loop.hpp"
@@ -31,7 +31,7 @@ void ClosedLoop<N, R>::make_upsets() {
     phases_.start(plant_.body().rotor_count, source_, kVibrationStream);
 }
 
-/// Events whose time has come.
+/// Applies the events that are due.
 template <int N, int R>
 void ClosedLoop<N, R>::happen(double t) {
   const std::vector<FlightEvent>& events = common_.mission.events;
@@ -48,18 +48,19 @@ void ClosedLoop<N, R>::happen(double t) {
     }
     for (int l = 0; l < N; ++l)
       if (lane(alive_, l))
-        results_[static_cast<std::size_t>(l)].events.push_back({t, "event", in_words(event)});
+        results_[static_cast<std::size_t>(l)].events.push_back({t, "event", describe(event)});
   }
 }
 
-/// What the motors are told, but for those that have stopped.
+/// Commands the motors, except those that have failed.
 template <int N, int R>
 void ClosedLoop<N, R>::tell(RotorSpeeds<P> speeds) {
   for (const int motor : stopped_) speeds(motor) = P(0);
   plant_.command(speeds, x_);
 }
 
-/// One control period in which commands take effect at any time: it is integrated piece by piece.
+/// Integrates one control period piece by piece, since delayed commands can take effect at any
+/// time.
 template <int N, int R>
 void ClosedLoop<N, R>::advance_late(std::uint64_t index, double t) {
   late_.send(index, t, speeds_, source_);
@@ -91,7 +92,7 @@ void ClosedLoop<N, R>::advance_late(std::uint64_t index, double t) {
     if (lane(alive_, l)) results_[static_cast<std::size_t>(l)].steps += steps;
 }
 
-/// The piece of the last control period that holds an instant.
+/// The piece of the last control period that contains an instant.
 template <int N, int R>
 const typename ClosedLoop<N, R>::Piece& ClosedLoop<N, R>::piece_at(double instant) const {
   std::size_t i = 0;
@@ -99,7 +100,7 @@ const typename ClosedLoop<N, R>::Piece& ClosedLoop<N, R>::piece_at(double instan
   return pieces_[i];
 }
 
-/// What an accelerometer at the centre of mass feels at an instant of the last control period.
+/// Specific force at the centre of mass at an instant of the last control period.
 template <int N, int R>
 Vector3<Pack<N>> ClosedLoop<N, R>::felt_at(double instant, const State& x) {
   if (pieces_.empty()) return plant_.specific_force(x);
@@ -110,7 +111,7 @@ Vector3<Pack<N>> ClosedLoop<N, R>::felt_at(double instant, const State& x) {
   return felt;
 }
 
-/// The rotors' vibration in a sensor at an instant of the last control period.
+/// Vibration of the rotors in a sensor at an instant of the last control period.
 template <int N, int R>
 Vector3<Pack<N>> ClosedLoop<N, R>::shake_at(const RotorVibration<N>& shake, double instant,
                                             double now, const State& x) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Commands on their way from the law to the motors.
+/// Delays commands between the law and the motors.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,22 @@
 
 namespace quadtune::internal {
 
-/// Each command takes effect `delay` after it was sent, plus a further delay drawn evenly from
-/// 0 … jitter, and never before the one sent before it. All lanes have the delay of the first;
-/// flights with jitter fly alone, see same_structure().
+/// Each command takes effect `delay` after it was sent, plus a random delay, uniformly distributed
+/// in 0 … jitter, but never before the previous command. All lanes use the delay of the first;
+/// flights with jitter are simulated one by one, see same_structure().
 template <int N>
 class CommandDelay {
  public:
   using Speeds = RotorSpeeds<Pack<N>>;
 
   CommandDelay() = default;
-  /// @param delay, jitter  [s], ≥ 0;  @param stream  of random numbers
+  /// @param delay, jitter  [s], ≥ 0;  @param stream  number of the random stream
   CommandDelay(double delay, double jitter, std::uint32_t stream)
       : delay_(delay), jitter_(jitter), stream_(stream) {}
 
   [[nodiscard]] bool active() const { return delay_ > 0 || jitter_ > 0; }
 
-  /// @param index  of the control period;  @param t  its begin [s]
+  /// @param index  of the control period;  @param t  its beginning [s]
   void send(std::uint64_t index, double t, const Speeds& speeds, const RandomSource<N>& source) {
     double arrival = t + delay_;
     if (jitter_ > 0) arrival += jitter_ * lane(random_uniform(source, stream_, index).first, 0);
@@ -35,7 +35,7 @@ class CommandDelay {
     waiting_.push_back({arrival, speeds});
   }
 
-  /// When the next command takes effect [s]; infinite where none is on its way.
+  /// Time at which the next command takes effect [s]; infinite if there is none.
   [[nodiscard]] double next() const {
     return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.front().arrival;
   }

@@ -22,21 +22,21 @@
 
 namespace quadtune::internal {
 
-/// From what the estimators of N flights are made.
+/// Data from which the estimators of N flights are created.
 template <int N>
 struct EstimatorSetup {
   const std::array<const FlightSetup*, N>& setups;
   const std::array<Sensors, N>& sensors;
   double dt = 0;               ///< control period [s]
-  bool starts_moving = false;  ///< in the air, or carried: sensor offsets were found before
+  bool starts_moving = false;  ///< in the air, or carried: sensor biases were estimated before
   StateVector<Pack<N>> state;  ///< at the start
 
   [[nodiscard]] const FlightSetup& common() const { return *setups[0]; }
-  /// How long the vehicle stands still before take-off, when offsets are found [s].
+  /// Time for which the vehicle is stationary before take-off, while biases are estimated [s].
   [[nodiscard]] double calibration_time() const {
     return starts_moving ? 0 : common().mission.start.start_up;
   }
-  /// A number of the sensors, lane by lane.
+  /// Collects a number of the sensors lane by lane.
   template <class Function>
   [[nodiscard]] Pack<N> of_sensors(const Function& number) const {
     Pack<N> result = 0;
@@ -45,12 +45,12 @@ struct EstimatorSetup {
   }
 };
 
-/// What the estimators see in one control period.
+/// Inputs of the estimators in one control period.
 template <int N>
 struct EstimatorView {
   double time = 0;
   const SensorFrame<Pack<N>>& frame;
-  const RotorSpeeds<Pack<N>>& speeds;  ///< that were commanded last [rad/s]
+  const RotorSpeeds<Pack<N>>& speeds;  ///< last commanded speeds [rad/s]
   Mask<N> standing;
   const StateVector<Pack<N>>& truth;
 };
@@ -112,7 +112,7 @@ class UquadEstimation {
  private:
   UquadFilterSettings<P> settings_;
   UquadFilterState<P> state_;
-  RigidBody body_;  ///< as the filter believes it to be
+  RigidBody body_;  ///< vehicle model of the filter
 };
 
 template <int N>
@@ -150,7 +150,7 @@ class GeneralEstimation {
   GeneralFilterState<P> state_;
 };
 
-/// The true state, with the unwrapped yaw that laws hold.
+/// The true state, with a yaw that is not wrapped, as laws require.
 template <int N>
 class TrueState {
  public:
@@ -168,10 +168,10 @@ class TrueState {
   }
 
  private:
-  P yaw_;  ///< of the period before
+  P yaw_;  ///< of the previous period
 };
 
-/// Estimators of the user's own, one for each lane.
+/// User-defined estimators, one per lane.
 template <int N>
 class OwnEstimation {
  public:
@@ -183,7 +183,8 @@ class OwnEstimation {
       const EstimatorStart start{setup.vehicle, from.dt, lane_of(from.state, l)};
       lanes_.push_back({setup.own_estimator.name, setup.own_estimator.make(start)});
       if (!lanes_.back().estimator)
-        throw InvalidInput("estimator " + lanes_.back().name, "make() returned nothing");
+        throw InvalidInput("estimator " + lanes_.back().name,
+                           "make() returned null, expected an estimator");
     }
     last_.x = from.state;
   }
@@ -198,7 +199,7 @@ class OwnEstimation {
   struct Lane {
     std::string name;
     std::unique_ptr<FlightEstimator> estimator;
-    std::string culprit = {};  ///< the entry that was not finite; empty while all are
+    std::string culprit = {};  ///< the entry that was not finite; empty if all are
   };
 
   template <int rows>
@@ -239,7 +240,7 @@ class OwnEstimation {
     keep(own.estimator->update(input), l);
   }
 
-  /// The estimate of a lane, or that of the period before if this one is not finite.
+  /// Stores the estimate of a lane; if it is not finite, the previous one is kept.
   void keep(const Estimate<double>& estimate, std::size_t l) {
     const int i = static_cast<int>(l);
     for (int j = 0; j < 12 && lanes_[l].culprit.empty(); ++j)
@@ -279,12 +280,12 @@ class EstimatorSlot {
     return std::holds_alternative<TrueState<N>>(slot_) ||
            std::holds_alternative<OwnEstimation<N>>(slot_);
   }
-  /// The settings of an estimator that is lost without optical flow; otherwise null.
+  /// Settings of an estimator that cannot work without optical flow; otherwise null.
   [[nodiscard]] const MamboEstimatorSettings<P>* needs_flow() const {
     const auto* mambo = std::get_if<MamboEstimation<N>>(&slot_);
     return mambo ? &mambo->settings() : nullptr;
   }
-  /// Of an estimator of the user's own: the entry that was not finite, in words; otherwise empty.
+  /// For a user-defined estimator: description of the entry that was not finite; otherwise empty.
   [[nodiscard]] std::string culprit(std::size_t l) const {
     const auto* own = std::get_if<OwnEstimation<N>>(&slot_);
     return own ? own->culprit(l) : "";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From what the law asks of the motors to the speeds that they are told: the driver's steps and
-/// limits, the start-up ramp and the battery's voltage.
+/// Converts the speeds that the law requests to those that the motors are commanded: quantization
+/// and limits of the driver, the start-up ramp and the battery voltage.
 #pragma once
 
 #include "quadtune/estimation/on_board.hpp"
@@ -11,7 +11,7 @@
 
 namespace quadtune::internal {
 
-/// Of the vehicles of N flights with one kind of command.
+/// Motor stages of N vehicles with the same kind of command.
 template <int N>
 class MotorStage {
  public:
@@ -26,60 +26,61 @@ class MotorStage {
       set_lane(min_, l, vehicle.motor.min);
       set_lane(max_, l, vehicle.motor.max);
       set_lane(quantum_, l, vehicle.motor.quantum);
-      set_lane(greatest_speed_, l, greatest_speed(vehicle));
+      set_lane(max_speed_, l, max_speed(vehicle));
       quantized_ = quantized_ || vehicle.motor.quantum > 0;
     }
   }
 
-  /// Told speeds of asked ones.
-  /// @param saturated  whether some motor met a limit; set
+  /// Quantizes and limits requested speeds.
+  /// @param saturated  output: whether any motor was at a limit
   void limit(RotorSpeeds<P>& speeds, Mask<N>& saturated) const {
     saturated = false;
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       P command = squared_ ? P(speeds(i) * speeds(i) / gain_) : P(speeds(i) / gain_);
       if (quantized_)
         command = select(quantum_ > P(0), nearest(command / quantum_) * quantum_, command);
-      saturated = either(saturated, either(command<min_, command> max_));
+      saturated = logical_or(saturated, logical_or(command<min_, command> max_));
       speeds(i) = speed(clamped(command, min_, max_));
     }
   }
 
-  /// Told speeds while the motors run up: a ramp to the least command, with values that jump above
-  /// and below it, which is how the uquad's driver gets its motors to turn.
-  /// @param share  of the ramp, 0 … 1
+  /// Speeds during start-up: a ramp to the minimum command that alternates between values above and
+  /// below it, as the uquad's driver does to start its motors.
+  /// @param share  fraction of the ramp, 0 … 1
   void start_up(double share, std::uint64_t index, RotorSpeeds<P>& speeds) const {
     const double jump = index % 2 == 0 ? 0.9 : 1.1;
-    speeds.setConstant(speed(lesser(min_ * P(share * jump), min_)));
+    speeds.setConstant(speed(min_of(min_ * P(share * jump), min_)));
   }
 
-  /// Told speeds of shares of the range: 0 the least command, 1 the greatest; negative: none.
+  /// Speeds from fractions of the command range: 0 is the minimum, 1 the maximum; negative:
+  /// stopped.
   void shares(const Eigen::Matrix<double, kMaxRotors, 1>& of_range, RotorSpeeds<P>& speeds) const {
     for (Eigen::Index i = 0; i < speeds.size(); ++i)
       speeds(i) = of_range(i) < 0 ? P(0) : speed(min_ + (max_ - min_) * P(of_range(i)));
   }
 
-  /// Speeds of commands as a law gives them; below 0 is 0.
+  /// Speeds from commands of a law; negative commands count as 0.
   void speeds_of_commands(const Eigen::Matrix<P, kMaxRotors, 1>& commands,
                           RotorSpeeds<P>& speeds) const {
-    for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds(i) = speed(greater(commands(i), P(0)));
+    for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds(i) = speed(max_of(commands(i), P(0)));
   }
 
-  /// The inverse: commands that give these speeds.
+  /// Inverse of speeds_of_commands().
   void commands_of_speeds(const RotorSpeeds<P>& speeds,
                           Eigen::Matrix<P, kMaxRotors, 1>& commands) const {
     for (Eigen::Index i = 0; i < speeds.size(); ++i)
       commands(i) = squared_ ? P(speeds(i) * speeds(i) / gain_) : P(speeds(i) / gain_);
   }
 
-  /// What a battery leaves of the speeds.
+  /// Limits the speeds to what the battery voltage allows.
   void supply(const Battery& battery, const BatteryState<P>& state, RotorSpeeds<P>& speeds,
               Mask<N>& saturated) const {
     const P ratio = voltage_ratio(battery, state);
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       if (battery.regulated) {
-        const P most = ratio * greatest_speed_;
-        saturated = either(saturated, speeds(i) > most);
-        speeds(i) = lesser(speeds(i), most);
+        const P max = ratio * max_speed_;
+        saturated = logical_or(saturated, speeds(i) > max);
+        speeds(i) = min_of(speeds(i), max);
       } else {
         speeds(i) = speeds(i) * ratio;
       }
@@ -92,7 +93,7 @@ class MotorStage {
   }
 
   bool squared_ = false, quantized_ = false;
-  P gain_, min_, max_, quantum_, greatest_speed_;
+  P gain_, min_, max_, quantum_, max_speed_;
 };
 
 }  // namespace quadtune::internal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control laws and allocations of N flights as one law and one allocation over Pack<N>: lane l
-/// of each number is that of flight l. The flights must have the same structure, see
-/// same_structure().
+/// Combines the control laws and allocations of N flights into one law and one allocation over
+/// Pack<N>: lane l of each number belongs to flight l. The flights must have the same structure,
+/// see same_structure().
 #pragma once
 
 #include <array>
@@ -69,7 +69,7 @@ template <int N>
   of(law.attitude_limit, [](const auto& s) { return s.attitude_limit; });
   of(law.weight, [](const auto& s) { return s.weight; });
   of(law.take_off_thrust, [](const auto& s) { return s.take_off_thrust; });
-  of(law.greatest_thrust, [](const auto& s) { return s.greatest_thrust; });
+  of(law.max_thrust, [](const auto& s) { return s.max_thrust; });
   const auto& controller = std::get<CascadeController>(setups[0]->controller);
   law.velocity_feed_forward = controller.velocity_feed_forward;
   law.conditional_integration = controller.conditional_integration;
@@ -151,8 +151,8 @@ template <int N>
       setups, [](const FlightSetup& s) { return thrust_limits(s.vehicle); });
   ThrustLimits<Pack<N>> result;
   for (std::size_t k = 0; k < static_cast<std::size_t>(rotors); ++k) {
-    of(result.least[k], [&](const auto& l) { return l.least[k]; });
-    of(result.greatest[k], [&](const auto& l) { return l.greatest[k]; });
+    of(result.min[k], [&](const auto& l) { return l.min[k]; });
+    of(result.max[k], [&](const auto& l) { return l.max[k]; });
   }
   of(result.floor, [](const auto& l) { return l.floor; });
   return result;

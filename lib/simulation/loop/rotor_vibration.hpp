@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What turning rotors shake into an inertial sensor. Equations: docs/theory.md, "Simulated
-/// flight".
+/// Vibration of the rotors in an inertial sensor. Equations: docs/theory.md, "Simulated flight".
 #pragma once
 
 #include <array>
@@ -13,14 +12,14 @@
 
 namespace quadtune::internal {
 
-/// The angles by which the rotors have turned, and their speeds over the last control period.
+/// Angles of the rotors, integrated from their speeds over the last control period.
 template <int N>
 class RotorPhases {
  public:
   using P = Pack<N>;
   using Angles = std::array<P, kMaxRotors>;
 
-  /// The angles at the start are drawn evenly.
+  /// The initial angles are uniformly distributed.
   /// @param stream  first of as many random streams as there are rotors
   void start(int rotors, const RandomSource<N>& source, std::uint32_t stream) {
     rotors_ = rotors;
@@ -31,13 +30,14 @@ class RotorPhases {
   }
   [[nodiscard]] bool present() const { return rotors_ > 0; }
 
-  /// The speeds at the begin of a control period [rad/s]; it follows the one kept before by dt [s].
+  /// Stores the speeds at the beginning of a control period [rad/s], dt [s] after the previous
+  /// ones.
   void keep(const RotorSpeeds<P>& speeds) { before_ = speeds; }
-  /// The period has ended with these speeds.
+  /// Ends the period with these speeds.
   void advance(const RotorSpeeds<P>& speeds, double dt) { begin_ = at(speeds, dt); }
 
-  /// The angles [rad] `since` seconds after the period's begin, where the speeds are these: the
-  /// speed is taken to change evenly.
+  /// Angles [rad] `since` seconds after the beginning of the period, at which time the speeds are
+  /// these; the speed is assumed to change linearly.
   [[nodiscard]] Angles at(const RotorSpeeds<P>& speeds, double since) const {
     Angles angles = begin_;
     for (int i = 0; i < rotors_ && before_.size() > 0; ++i) {
@@ -54,16 +54,16 @@ class RotorPhases {
   RotorSpeeds<P> before_;
 };
 
-/// Of one sensor. Rotor i at the angle φ_i adds a |H(w_i)| w_i² (cos φ_i, sin φ_i, sin φ_i) with
-/// the amplitudes a of each axis and the gain |H| of the sensor's response at that frequency. The
-/// sample clock folds it to where it appears.
+/// Vibration in one sensor. Rotor i at the angle φ_i adds a |H(w_i)| w_i² (cos φ_i, sin φ_i, sin
+/// φ_i), with the amplitudes a of each axis and the gain |H| of the sensor's response at that
+/// frequency. Sampling aliases it to its apparent frequency.
 template <int N>
 class RotorVibration {
  public:
   using P = Pack<N>;
 
   RotorVibration() = default;
-  /// @param faults  one a lane
+  /// @param faults  one per lane
   explicit RotorVibration(const std::array<SensorFaults, N>& faults) {
     for (int l = 0; l < N; ++l) {
       const SensorFaults& f = faults[static_cast<std::size_t>(l)];

@@ -26,7 +26,7 @@ Motion CarriedMotion::at(double t) const {
   motion.velocity = point.velocity;
   motion.acceleration = point.acceleration;
   motion.attitude.z() = point.yaw;
-  motion.rates.z() = point.yaw_rate;  // level: body rates are Euler rates
+  motion.rates.z() = point.yaw_rate;  // level, so body rates equal Euler rates
   return motion;
 }
 

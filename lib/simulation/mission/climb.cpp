@@ -7,7 +7,7 @@
 namespace quadtune {
 namespace {
 
-/// The speed that is reached: the rate, or where acceleration meets deceleration.
+/// Maximum speed of a climb: the rate, or the speed at which acceleration changes to deceleration.
 double top_speed(double height, double rate) {
   return std::min(rate, std::sqrt(kClimbAcceleration * height));
 }

@@ -7,7 +7,7 @@ namespace quadtune {
 /// Acceleration at the beginning of the climb and deceleration at its end [m/s²].
 inline constexpr double kClimbAcceleration = 1;
 
-/// Duration of a climb of `height` [m], ≥ 0, with at most `rate` [m/s], > 0. [s]
+/// Duration [s] of a climb of `height` [m], ≥ 0, with at most `rate` [m/s], > 0.
 [[nodiscard]] double climb_duration(double height, double rate);
 
 struct ClimbPoint {
@@ -15,9 +15,9 @@ struct ClimbPoint {
   double speed = 0;   ///< upward [m/s]
 };
 
-/// Where such a climb is t seconds after its beginning. The speed is continuous: a trapezoid over
-/// time, or a triangle for a climb too short to reach the rate. Before it begins it is on the
-/// ground; after its end it stays at its height.
+/// Height and speed t seconds after the beginning of a climb. The speed is continuous: a trapezoid
+/// over time, or a triangle if the climb is too short to reach the rate. Before the beginning the
+/// point is on the ground; after the end it stays at the final height.
 [[nodiscard]] ClimbPoint climb_at(double height, double rate, double t);
 
 }  // namespace quadtune

@@ -44,14 +44,17 @@ void check(const Script& script, const std::string& where) {
                                 "negative",
                                 what, now.until, now.from));
     if (before == nullptr && now.until != 0)
-      refuse(where, fmt::format("{} is complete at {} s, expected 0, as a flight needs a reference "
-                                "from its beginning",
-                                what, now.until));
-    // A ramp may begin with the step before it, but of two steps at once one would not be seen.
+      refuse(where,
+             fmt::format("{} is complete at {} s, expected 0 because a flight needs a reference "
+                         "from its beginning",
+                         what, now.until));
+    // A ramp may begin at the time of the preceding step, but two steps at one time are rejected,
+    // since the first would have no effect.
     if (before != nullptr && (now.from < before->until || now.until <= before->from))
-      refuse(where, fmt::format("{} begins at {} s, expected later, as the one before is complete "
-                                "at {} s",
-                                what, now.from, before->until));
+      refuse(where,
+             fmt::format("{} begins at {} s, expected later because the previous one is complete "
+                         "at {} s",
+                         what, now.from, before->until));
     before = &now;
   }
 }
@@ -64,9 +67,9 @@ void check(const Waypoints& way, const std::string& where) {
   require_within(way.yaw, internal::kAngles, where, "yaw", "rad");
   for (std::size_t i = 0; i < way.points.size(); ++i) {
     require_place(way.points[i], where, fmt::format("waypoint {}", i + 1));
-    if (i > 0 && (way.points[i] - way.points[i - 1]).norm() < internal::kLeastWay)
+    if (i > 0 && (way.points[i] - way.points[i - 1]).norm() < internal::kMinWay)
       refuse(where, fmt::format("waypoints {} and {} are the same point, expected points that "
-                                "differ, as nothing leads from one to the other",
+                                "differ",
                                 i, i + 1));
   }
 }
@@ -85,9 +88,10 @@ void check(const Keys& keys, const std::string& where) {
                                 internal::printable(std::string_view(&press.key, 1)),
                                 fmt::join(std::string_view(kMissionKeys), " ")));
     if (before != nullptr && press.time <= before->time)
-      refuse(where, fmt::format("key '{}' is pressed at {} s, expected later than '{}' before it, "
-                                "at {} s",
-                                press.key, press.time, before->key, before->time));
+      refuse(where,
+             fmt::format("key '{}' is pressed at {} s, expected later than the previous key '{}', "
+                         "at {} s",
+                         press.key, press.time, before->key, before->time));
     before = &press;
   }
 }
@@ -100,9 +104,10 @@ void check(const MotorTest& test, const std::string& where) {
     require_within(run.duration, internal::kDurations, where, "duration of a motor's run", "s");
     require_within(run.share, internal::kShares, where, "share of a motor's command", "");
     if (run.begin < free_from)
-      refuse(where, fmt::format("motors run from {} s, expected from {} s on, when the run before "
-                                "has ended",
-                                run.begin, free_from));
+      refuse(where,
+             fmt::format("motors run from {} s, expected {} s or later, when the previous run "
+                         "has ended",
+                         run.begin, free_from));
     free_from = run.begin + run.duration;
     if (run.motors.empty()) refuse(where, "a run has no motors, expected at least one");
     std::set<int> seen;
@@ -110,7 +115,7 @@ void check(const MotorTest& test, const std::string& where) {
       if (motor < 1 || motor > kMaxRotors)
         refuse(where, fmt::format("no motor {}, expected 1 to {}", motor, kMaxRotors));
       if (!seen.insert(motor).second)
-        refuse(where, fmt::format("motor {} stands twice in a run, expected once", motor));
+        refuse(where, fmt::format("motor {} is named twice in a run, expected once", motor));
     }
   }
 }
@@ -151,8 +156,8 @@ void check(const std::vector<Limit>& limits, const std::string& where) {
   for (const Limit& limit : limits) {
     const auto index = static_cast<std::size_t>(limit.metric);
     if (index >= kMetrics || limit.metric == Metric::duration)
-      refuse(where, "a limit of no metric or of the duration, expected one of the other metrics");
-    require_within(limit.most, internal::kLimits, where, "limit of " + name_of(limit.metric),
+      refuse(where, "a limit is for an unknown metric or the duration, expected another metric");
+    require_within(limit.max, internal::kLimits, where, "limit of " + name_of(limit.metric),
                    unit_of(limit.metric));
     if (!seen.insert(limit.metric).second)
       refuse(where, fmt::format("{} is limited twice, expected once", name_of(limit.metric)));
@@ -191,7 +196,8 @@ double end_of_take_off(const Mission& mission) {
 Mission with_thrust_take_off(Mission mission) {
   mission.start.take_off_by = TakeOff::thrust;
   mission.start.take_off = 1;
-  // The constant thrust ends where it ends: no law answers for that height.
+  // The constant thrust determines the height of the take-off, so a limit of the height does not
+  // apply.
   std::erase_if(mission.limits,
                 [](const Limit& limit) { return limit.metric == Metric::height_peak; });
   return mission;
@@ -211,7 +217,7 @@ void validate(const Mission& mission, const std::string& where) {
     refuse(where, "a motor test starts in the air, expected on the ground");
   validate(mission.events, mission.duration, where);
   if (!mission.events.empty() && std::holds_alternative<Carried>(mission.kind))
-    refuse(where, "a vehicle that is carried has events, expected none, as nothing moves it");
+    refuse(where, "a carried vehicle has events, expected none because its motion is prescribed");
   check(mission.settling, where);
   check(mission.limits, where);
 }
@@ -223,7 +229,7 @@ void require_motors(const Mission& mission, int rotors, const std::string& where
     for (const int motor : run.motors)
       if (motor > rotors)
         refuse(where,
-               fmt::format("mission '{}' runs motor {}, expected 1 to {}, as the vehicle has "
+               fmt::format("mission '{}' runs motor {}, expected 1 to {} because the vehicle has "
                            "no more",
                            mission.name, motor, rotors));
 }

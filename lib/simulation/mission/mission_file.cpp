@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mission files: docs/formats.md says what they hold.
+// Reads mission files; docs/formats.md describes the format.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using internal::Range;
 using internal::TomlKey;
 using internal::TomlTable;
 
-// What the rest of a file is read with.
+// Data needed to read the remaining tables of a file.
 struct Context {
   double duration;
   MissionStart start;
@@ -36,7 +36,7 @@ struct Context {
   }
 };
 
-// One of the listed words.
+// Reads one of the listed words.
 std::size_t read_choice(const TomlTable& table, const std::string& key,
                         const std::vector<std::string>& known) {
   const std::string word = table.text(key);
@@ -49,8 +49,8 @@ std::size_t read_choice(const TomlTable& table, const std::string& key,
   return static_cast<std::size_t>(at - known.begin());
 }
 
-// north_m, east_m and height_m, north-east-down; what is absent is taken from `fallback`, but a
-// height is needed where there is none.
+// Reads north_m, east_m and height_m as north-east-down. Missing coordinates are taken from
+// `fallback`, but the height may be required.
 Vector3d read_place(const TomlTable& table, const Vector3d& fallback, bool needs_height) {
   Vector3d position;
   position.x() = table.number_or("north_m", fallback.x(), internal::kPlaces);
@@ -61,7 +61,7 @@ Vector3d read_place(const TomlTable& table, const Vector3d& fallback, bool needs
   return position;
 }
 
-// [north, east, height] of one row, north-east-down.
+// Converts [north, east, height] of one row to north-east-down.
 Vector3d point_of(const Eigen::VectorXd& row, const std::string& where, const std::string& what) {
   if (row.size() != 3)
     throw InvalidInput(where, fmt::format("{} has {} numbers, expected 3 (north, east, height)",
@@ -124,15 +124,16 @@ Script read_references(const std::vector<TomlTable>& tables, const Context& cont
     if (first && now.until != 0)
       throw InvalidInput(table.where(now.from != 0 ? "at_s" : "ramp_s"),
                          table.title() +
-                             " is not complete at 0 s, expected at_s = 0 without a ramp, as a "
+                             " is not complete at 0 s, expected at_s = 0 without a ramp because a "
                              "flight needs a reference from its beginning");
     if (!first) {
       const TimedReference& before = script.references.back();
       if (now.from < before.until || now.until <= before.from)
-        throw InvalidInput(table.where("at_s"),
-                           fmt::format("at_s in {} is {}, expected later, as the reference before "
-                                       "is complete at {} s",
-                                       table.title(), now.from, before.until));
+        throw InvalidInput(
+            table.where("at_s"),
+            fmt::format("at_s in {} is {}, expected later because the previous reference "
+                        "is complete at {} s",
+                        table.title(), now.from, before.until));
       if (!table.has("north_m") && !table.has("east_m") && !table.has("height_m") &&
           !table.has("yaw_rad"))
         throw InvalidInput(table.where(), table.title() +
@@ -158,8 +159,8 @@ Script read_csv(const TomlTable& table, const Context& context) {
       return internal::read_text_file(path, kScriptFileLimit);
     } catch (const FileError& error) {
       throw InvalidInput(table.where("file"),
-                         fmt::format("the references cannot be read ({}), expected a file beside "
-                                     "the mission's",
+                         fmt::format("the references cannot be read ({}), expected a file next to "
+                                     "the mission file",
                                      error.what()));
     }
   }();
@@ -175,10 +176,9 @@ Waypoints read_waypoints(const TomlTable& table, const Context& context) {
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const std::string where = table.where("points_m", static_cast<std::size_t>(i));
     way.points.push_back(point_of(points.row(i), where, fmt::format("waypoint {}", i + 1)));
-    if (i > 0 &&
-        (way.points.back() - way.points[way.points.size() - 2]).norm() < internal::kLeastWay)
+    if (i > 0 && (way.points.back() - way.points[way.points.size() - 2]).norm() < internal::kMinWay)
       throw InvalidInput(where, fmt::format("waypoints {} and {} are the same point, expected "
-                                            "points that differ, as nothing leads from one to the "
+                                            "points that differ because a segment needs two "
                                             "other",
                                             i, i + 1));
   }
@@ -246,7 +246,7 @@ LemniscatePath read_lemniscate(const TomlTable& table, const Context& context) {
   return lemniscate;
 }
 
-// A path that validate() has looked at, so that what is left to refuse has its line.
+// Validates a path, so that the message names its line of the file.
 template <class Path>
 SmoothPath checked(const Path& path, const TomlTable& table) {
   validate(path, table.where());
@@ -307,7 +307,7 @@ MotorTest read_motors(const std::vector<TomlTable>& tables, const Context& conte
     run.begin = table.number("at_s", context.times());
     if (run.begin < free_from)
       throw InvalidInput(table.where("at_s"),
-                         fmt::format("at_s in {} is {}, expected {} or more, when the run before "
+                         fmt::format("at_s in {} is {}, expected {} or more, when the previous run "
                                      "has ended",
                                      table.title(), run.begin, free_from));
     run.duration = table.number("for_s", internal::kDurations);
@@ -335,8 +335,8 @@ MissionStart read_start(const TomlTable& table) {
   if (table.has("take_off_s")) {
     if (table.has("climb_rate_m_per_s"))
       throw InvalidInput(table.where("climb_rate_m_per_s"),
-                         "climb_rate_m_per_s stands beside take_off_s, expected one of them "
-                         "because take_off_s asks for constant thrust instead of a climb");
+                         "climb_rate_m_per_s and take_off_s are both given, expected one of them "
+                         "because take_off_s selects constant thrust instead of a climb");
     start.take_off_by = TakeOff::thrust;
     start.take_off = table.number("take_off_s", internal::kTimes);
   }
@@ -372,7 +372,7 @@ std::vector<Limit> read_limits(const TomlTable& table) {
   std::vector<Metric> metrics;
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
-    if (metric == Metric::duration) continue;  // the mission's own
+    if (metric == Metric::duration) continue;  // fixed by the mission
     const std::string key = limit_key(metric);
     const std::size_t unit = key.rfind("_max") + 4;
     keys.push_back({key.substr(0, unit), unit < key.size() ? key.substr(unit + 1) : ""});
@@ -387,7 +387,7 @@ std::vector<Limit> read_limits(const TomlTable& table) {
   return limits;
 }
 
-// The keys of which a file has exactly one.
+// The keys of which a file must have exactly one.
 const std::vector<std::string>& kind_names() {
   static const std::vector<std::string> names = {
       "hover", "references", "csv", "waypoints", "line", "circle", "lemniscate", "keys", "motors"};
@@ -401,12 +401,13 @@ std::string kind_of(const TomlTable& file) {
     if (!kind.empty())
       throw InvalidInput(
           file.where(name),
-          fmt::format("the file has both '{}' and '{}', expected one thing to do", kind, name));
+          fmt::format("the file has both '{}' and '{}', expected one of them", kind, name));
     kind = name;
   }
   if (kind.empty())
-    throw InvalidInput(file.where(), fmt::format("the file has nothing to do, expected one of {}",
-                                                 internal::joined(kind_names(), ", ")));
+    throw InvalidInput(file.where(),
+                       fmt::format("the file does not define a motion, expected one of {}",
+                                   internal::joined(kind_names(), ", ")));
   return kind;
 }
 
@@ -430,7 +431,7 @@ MissionKind read_kind(const TomlTable& file, const std::string& kind, const Cont
   return checked(read_lemniscate(table, context), table);
 }
 
-// One of [[event]]: a motor's fault or a load that comes or goes.
+// Reads an [[event]]: a motor fault or a change of payload.
 FlightEvent read_event(const TomlTable& table) {
   table.allow({{"at", "s"}, {"motor"}, {"thrust_share"}, {"load", "kg"}});
   FlightEvent event;
@@ -455,13 +456,13 @@ FlightEvent read_event(const TomlTable& table) {
   return event;
 }
 
-// Tables that mean nothing where the vehicle does not fly.
+// Rejects tables that are meaningless if the vehicle does not fly.
 void refuse_tables(const TomlTable& file, const std::vector<std::string>& names,
                    const std::string& why) {
   for (const std::string& name : names)
     if (file.has(name))
       throw InvalidInput(file.where(name),
-                         fmt::format("[{}] in a mission where {}, expected none", name, why));
+                         fmt::format("[{}] is not allowed in a mission in which {}", name, why));
 }
 
 }  // namespace
@@ -522,7 +523,7 @@ Mission load_mission(const std::string& name_or_path) {
     if (file.name == name_or_path) return parse_mission(file.text, file.path);
   if (!internal::looks_like_path(name_or_path)) {
     const std::vector<std::string> known = built_in_missions();
-    // The path that others call by its shape.
+    // Other programs name this path after its shape.
     const bool eight = name_or_path.starts_with("figure") || name_or_path.starts_with("eight");
     throw InvalidInput("mission",
                        fmt::format("no mission '{}', expected {} or a mission file{}",

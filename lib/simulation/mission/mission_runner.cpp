@@ -11,8 +11,8 @@
 
 namespace quadtune {
 
-// The set point from a key press on. MissionRunner::Plan has such members, so it is not in the
-// unnamed namespace.
+// The set point after a key press. It is not in the unnamed namespace because MissionRunner::Plan
+// has members of this type.
 struct KeySetPoint {
   double time;
   Eigen::Vector3d position;
@@ -24,34 +24,34 @@ namespace {
 
 using Eigen::Vector3d;
 
-// How far below the ground a landing's reference goes on [m].
+// Depth below the ground to which the reference of a landing descends [m].
 constexpr double kBelowGround = 0.5;
 
-// A vehicle has stopped sinking when its believed speed downward stays below this share of the
-// landing's rate for kStopped [s]. It sinks above kSinks of it.
+// A descent has stopped when the estimated downward speed stays below the fraction kSlow of the
+// landing's rate for kStopped [s]. Above the fraction kSinks the vehicle descends.
 constexpr double kSlow = 0.3, kSinks = 0.5;
 constexpr double kStopped = 0.4;
 
-// A vehicle that stopped so far above its reference rests on something [m].
+// A vehicle that stops this far above its reference rests on something [m].
 constexpr double kHeldUp = 0.15;
 
-// Waypoints less far apart than this horizontally give the nose no direction [m].
+// Minimum horizontal distance of waypoints that determines a direction of the nose [m].
 constexpr double kLevelWay = 1e-6;
 
-// `yaw` with as many turns added as bring it nearest to `to`.
+// `yaw` plus the number of turns that brings it nearest to `to`.
 double nearest_turn(double yaw, double to) {
   constexpr double kTurn = 2 * std::numbers::pi;
   return yaw + kTurn * std::round((to - yaw) / kTurn);
 }
 
-// Downward speed of a believed state [m/s].
+// Downward speed of an estimated state [m/s].
 double sinking(const StateVector<double>& x) {
   const double roll = x(kAttitude), pitch = x(kAttitude + 1);
   return -std::sin(pitch) * x(kVelocity) + std::sin(roll) * std::cos(pitch) * x(kVelocity + 1) +
          std::cos(roll) * std::cos(pitch) * x(kVelocity + 2);
 }
 
-// What a key does to the set point. In the Mambo's table height is -z, so its "minus" is up.
+// Applies a key to the set point. In the Mambo's table height is -z, so its "minus" means up.
 KeySetPoint pressed(KeySetPoint now, const KeyPress& press, const Keys& keys) {
   constexpr double kAngle = 0.05, kYaw = 0.2, kHeight = 0.2, kFar = 0.6;
   now.time = press.time;
@@ -93,7 +93,7 @@ KeySetPoint pressed(KeySetPoint now, const KeyPress& press, const Keys& keys) {
     case 'r':
       now = {press.time, Vector3d(0, 0, keys.position.z()), keys.yaw, 0, 0, true};
       break;
-    default:  // 'e' ends the flight, and validate() lets no other key through
+    default:  // 'e' ends the flight; validate() rejects all other keys
       break;
   }
   now.position.z() = std::min(now.position.z(), 0.0);  // not below the ground
@@ -107,8 +107,8 @@ std::vector<KeySetPoint> set_points(const Keys& keys) {
   return all;
 }
 
-// The last of `all` that has begun at t, or the first. The search starts at `cursor`, since time
-// rarely goes further than to the next one.
+// The last entry of `all` that has begun at t, or the first one. The search starts at `cursor`,
+// since time usually advances to the same or the next entry.
 template <class Entry, class Begin>
 const Entry& entry_at(const std::vector<Entry>& all, double t, std::size_t& cursor, Begin begin) {
   const auto begun = [&](std::size_t i) { return begin(all[i]) <= t; };
@@ -170,9 +170,9 @@ struct MissionRunner::Plan {
   Mission mission;
   double end_of_take_off = 0;                              ///< [s]
   double first_height = 0;                                 ///< [m]
-  std::vector<KeySetPoint> set_points;                     ///< of a mission by keys
-  double abort = std::numeric_limits<double>::infinity();  ///< when [s]
-  double turns = 0;  ///< added to the yaw of a path with the nose ahead [rad]
+  std::vector<KeySetPoint> set_points;                     ///< for Keys missions
+  double abort = std::numeric_limits<double>::infinity();  ///< time of the abort [s]
+  double turns = 0;  ///< offset of the yaw of a path with the nose ahead [rad]
 };
 
 MissionRunner::MissionRunner(const Mission& mission) {
@@ -336,8 +336,8 @@ void MissionRunner::land(double t, const StateVector<double>& believed,
   reference.velocity.z() = 0;
 }
 
-// The believed height may be wrong by more than a vehicle may fall, so the ground is found by what
-// it does: the vehicle no longer sinks although its reference does.
+// The estimated height may be wrong by more than a vehicle may fall, so the ground is detected by
+// the motion: the vehicle no longer descends although its reference does.
 bool MissionRunner::touches(double t, const StateVector<double>& believed,
                             const Reference<double>& reference) {
   const Landing& landing = *plan_->mission.landing;
@@ -369,7 +369,7 @@ Reference<double> MissionRunner::at(double t, const StateVector<double>& believe
   reference.phase = phase_at(t);
   const bool changed = !begun_ || reference.phase != phase_;
   climb(t, reference);
-  // A climb is flown by the law, but the mission flies once it has ended.
+  // During a climb the law is already active, but the mission's event `flying` occurs at its end.
   if (changed && !climbs_) note(event_of(reference.phase));
   begun_ = true;
   phase_ = reference.phase;

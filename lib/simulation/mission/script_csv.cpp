@@ -22,7 +22,7 @@ const std::vector<std::string>& known_columns() {
   return names;
 }
 
-// The part of a line before its comment, without blanks at its ends.
+// The part of a line before its comment, without leading and trailing blanks.
 std::string_view content(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r\v\f";
   line = line.substr(0, line.find('#'));
@@ -31,7 +31,7 @@ std::string_view content(std::string_view line) {
   return line.substr(first, line.find_last_not_of(kBlanks) - first + 1);
 }
 
-// Where each line with content begins, and its number.
+// Offset and number of each line with content.
 struct Line {
   std::size_t begin;
   std::size_t end;
@@ -59,7 +59,7 @@ std::vector<std::string> split_names(std::string_view line) {
   }
 }
 
-// The column of each known name, -1 where there is none.
+// Column index of each known name, -1 if it is missing.
 std::array<Eigen::Index, 5> find_columns(std::string_view header, const std::string& where) {
   std::array<Eigen::Index, 5> columns;
   columns.fill(-1);
@@ -68,19 +68,18 @@ std::array<Eigen::Index, 5> find_columns(std::string_view header, const std::str
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto at = std::find(known.begin(), known.end(), names[i]);
     if (at == known.end())
-      throw InvalidInput(where, fmt::format("column '{}' is not known, expected some of {}, "
+      throw InvalidInput(where, fmt::format("column '{}' is unknown, expected some of {}, "
                                             "separated by commas{}",
                                             printable(names[i]), internal::joined(known, ", "),
                                             did_you_mean(names[i], known)));
     Eigen::Index& column = columns[static_cast<std::size_t>(at - known.begin())];
     if (column >= 0)
-      throw InvalidInput(where, fmt::format("column '{}' stands twice, expected once", names[i]));
+      throw InvalidInput(where, fmt::format("column '{}' appears twice, expected once", names[i]));
     column = static_cast<Eigen::Index>(i);
   }
   for (const std::size_t needed : {0, 3})
     if (columns[needed] < 0)
-      throw InvalidInput(where,
-                         fmt::format("there is no column '{}', expected one", known[needed]));
+      throw InvalidInput(where, fmt::format("the column '{}' is missing", known[needed]));
   return columns;
 }
 
@@ -91,13 +90,13 @@ Script parse_script_csv(const std::string& text, const std::string& origin,
   require_text(text, origin, kScriptFileLimit);
   const std::vector<Line> lines = lines_with_content(text);
   if (lines.size() < 2)
-    throw InvalidInput(origin, "has no rows, expected a line of names and a row for each time");
+    throw InvalidInput(origin, "has no rows, expected a line of names and one row per time");
   const Line& first = lines.front();
   const std::string_view header =
       content(std::string_view(text).substr(first.begin, first.end - first.begin));
   const std::array<Eigen::Index, 5> columns =
       find_columns(header, fmt::format("{}:{}", origin, first.number));
-  // The names are made blanks, so that the numbers' reader counts the same lines.
+  // Replace the names by blanks, so that the matrix parser counts the same lines.
   std::string numbers = text;
   std::fill(numbers.begin() + static_cast<std::ptrdiff_t>(first.begin),
             numbers.begin() + static_cast<std::ptrdiff_t>(first.end), ' ');
@@ -106,7 +105,7 @@ Script parse_script_csv(const std::string& text, const std::string& origin,
   if (table.cols() != width)
     throw InvalidInput(
         fmt::format("{}:{}", origin, lines[1].number),
-        fmt::format("row has {} numbers, expected {}, one for each column", table.cols(), width));
+        fmt::format("row has {} numbers, expected {}, one per column", table.cols(), width));
 
   Script script;
   script.references.reserve(static_cast<std::size_t>(table.rows()));
@@ -127,14 +126,16 @@ Script parse_script_csv(const std::string& text, const std::string& origin,
     now.from = now.until = time;
     if (script.references.empty()) {
       if (time != 0)
-        throw InvalidInput(where, fmt::format("t_s begins with {}, expected 0, as a flight needs a "
-                                              "reference from its beginning",
-                                              time));
+        throw InvalidInput(where,
+                           fmt::format("t_s begins with {}, expected 0 because a flight needs a "
+                                       "reference from its beginning",
+                                       time));
     } else {
       const double before = script.references.back().until;
       if (time <= before)
         throw InvalidInput(
-            where, fmt::format("t_s is {}, expected more than {} in the row before", time, before));
+            where, fmt::format("t_s is {}, expected more than {}, that of the previous row", time,
+                               before));
       if (between == Between::ramp) now.from = before;
     }
     script.references.push_back(now);

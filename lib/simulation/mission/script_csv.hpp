@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Timed references from a table of numbers: a line of names, then a row for each time.
+/// Timed references from a table: a line of column names, then one row per time.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace quadtune::internal {
 
-/// How the reference goes from row to row.
+/// How the reference changes from row to row.
 enum class Between {
-  ramp,  ///< along a straight line
-  hold,  ///< not at all: each row is a step
+  ramp,  ///< linear interpolation
+  hold,  ///< each row is a step
 };
 
-/// Parses a table: the first line that holds something names the columns, t_s and height_m, and
-/// north_m, east_m, yaw_rad where they are not those of `start`; the rest is text that
-/// parse_text_matrix() reads.
-/// @param origin  what messages call the file.
+/// Parses a table. The first line with content names the columns: t_s and height_m, and optionally
+/// north_m, east_m, yaw_rad, which otherwise keep the values of `start`. The other lines are parsed
+/// by parse_text_matrix().
+/// @param origin  name of the file in messages
 /// @throws InvalidInput  "origin:line: …"
 [[nodiscard]] Script parse_script_csv(const std::string& text, const std::string& origin,
                                       const MissionStart& start, Between between);

@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-// s and its derivatives by time.
+// The parameter s and its time derivatives.
 struct Progress {
   double s = 0;
   double rate = 0;
   double acceleration = 0;
 };
 
-// Full rate and the whole way of each path's parameter.
+// Full rate and total length of each path's parameter.
 struct Extent {
   double rate;
   double total;
@@ -34,14 +34,14 @@ Extent extent(const LemniscatePath& path) {
   return {2 * std::numbers::pi / path.lap, 2 * std::numbers::pi * path.laps};
 }
 
-// One ramp less at full rate than two ramps take at half of it.
+// Each ramp covers half of the distance at full rate, so both together add the duration of one.
 double travel_time(const Extent& way, double ramp) { return way.total / way.rate + ramp; }
 
-// The first part of the way, t after its begin, no later than the end of the ramp.
+// Acceleration phase, at time t after its beginning, at most `ramp`.
 Progress while_gathering(double rate, double ramp, double t) {
   const double u = t / ramp;
   const double u2 = u * u;
-  return {rate * ramp * u2 * u2 * (u2 - 3 * u + 2.5),  // ∫ of the next line
+  return {rate * ramp * u2 * u2 * (u2 - 3 * u + 2.5),  // integral of the next line
           rate * u2 * u * (6 * u2 - 15 * u + 10),      // 6 u⁵ - 15 u⁴ + 10 u³
           rate / ramp * 30 * u2 * (u2 - 2 * u + 1)};   // 30 u⁴ - 60 u³ + 30 u²
 }
@@ -59,12 +59,12 @@ Progress progress(const Extent& way, const Passage& passage, double t) {
   return {way.rate * (since - passage.ramp / 2), way.rate, 0};
 }
 
-// Position with its first two derivatives by s.
+// Position and its first two derivatives with respect to s.
 struct CurvePoint {
   Vector3d p, dp, ddp;
 };
 
-// Where the curve goes [rad], with its derivative by s.
+// Direction of the curve [rad] and its derivative with respect to s.
 struct Heading {
   double angle;
   double by_s;
@@ -108,8 +108,8 @@ Heading heading(const LemniscatePath& path, double s) {
   const double a = path.length / 2, b = path.width / 2;
   const double dx = a * std::cos(s), dy = 2 * b * std::cos(2 * s);
   const double ddx = -a * std::sin(s), ddy = -4 * b * std::sin(2 * s);
-  // The curve goes straight to the left at its tips and never straight to the right, so an angle
-  // counted from the left has no jump.
+  // The tangent points exactly to the left at the tips and never exactly to the right, so an angle
+  // measured from the left is continuous.
   return {path.heading - std::numbers::pi / 2 + std::atan2(dx, -dy),
           (dx * ddy - dy * ddx) / (dx * dx + dy * dy)};
 }
@@ -122,11 +122,11 @@ void validate_shape(const LinePath& path, const std::string& where) {
   internal::require_place(path.from, where, "the line's first point");
   internal::require_place(path.to, where, "the line's last point");
   internal::require_within(path.speed, internal::kSpeeds, where, "speed", "m/s");
-  require((path.to - path.from).norm() > internal::kLeastWay, where,
-          "the line's first and last points are the same, expected two points");
+  require((path.to - path.from).norm() > internal::kMinWay, where,
+          "the line's first and last points are the same, expected different points");
   require(path.passage.nose == Nose::fixed ||
-              (path.to - path.from).head<2>().norm() > internal::kLeastWay,
-          where, "the line goes straight up or down, expected a fixed nose, as it has no heading");
+              (path.to - path.from).head<2>().norm() > internal::kMinWay,
+          where, "the line is vertical, expected a fixed nose because the line has no heading");
 }
 
 void validate_shape(const CirclePath& path, const std::string& where) {
@@ -187,8 +187,8 @@ void validate(const SmoothPath& path, const std::string& where) {
         const Extent way = extent(shape);
         const double cruise = way.total / way.rate;
         require(cruise >= passage.ramp, where,
-                fmt::format("the path takes {:.6g} s at full speed, which is shorter than its ramp "
-                            "of {:.6g} s, expected a longer path, less speed or a shorter ramp",
+                fmt::format("the path takes {:.6g} s at full speed, which is less than its ramp "
+                            "of {:.6g} s, expected a longer path, a lower speed or a shorter ramp",
                             cruise, passage.ramp));
       },
       path);

@@ -6,7 +6,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Below this length two unit vectors that are added point opposite ways.
+// If the sum of two unit vectors is shorter than this, they have opposite directions.
 constexpr double kStraightBack = 1e-9;
 
 // Whether `position` has reached points[target].

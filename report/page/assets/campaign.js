@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the report of a campaign together from its data. The root element's data-cells is how many small
-// charts it has drawn.
+// Builds the report of a campaign from its data. The root element's data-cells is the number of small
+// charts that are drawn.
 'use strict';
 
 (() => {
@@ -18,7 +18,7 @@
   function summary() {
     return section('success', 'Success',
       table([head('Design', false), head('Mission', false), head('Flights'), head('Pass'), head('Share'),
-             head('95 % from'), head('to'), head('How they ended', false)],
+             head('95 % from'), head('to'), head('Ends', false)],
             data.cases.map((c) =>
               el('tr', {},
                  el('th', {scope: 'row'}, isolated(c.design)), el('td', {}, isolated(c.mission)),
@@ -33,7 +33,7 @@
   function spread(c, index) {
     return section(`metrics-${index}`, titleOf(c),
       el('p', {class: 'hint'}, isolated(c.law)),
-      table([head('Figure', false), head('5 %'), head('Median'), head('95 %'), head('99 %'), head('Limit'),
+      table([head('Metric', false), head('5 %'), head('Median'), head('95 %'), head('99 %'), head('Limit'),
              head('Unit', false)],
             c.metrics.map((m) =>
               el('tr', {},
@@ -47,8 +47,8 @@
     const tone = (v) => v === null ? null
       : `number heat-${Math.min(5, Math.ceil(5 * Math.abs(v)))} ${v > 0 ? 'rises' : 'falls'}`;
     return section(`trends-${index}`, `What ${titleOf(c)} depends on`,
-      el('p', {class: 'hint'}, 'Rank correlation of what was drawn with each figure, where it is surely '
-         + 'not 0: 1 rises with it always, \u22121 falls.'),
+      el('p', {class: 'hint'}, 'Rank correlation of the drawn parameters with each metric, if significantly '
+         + 'different from 0: 1 increases monotonically, \u22121 decreases.'),
       table([head('', false), c.trends.figures.map((f) => head(f))],
             c.trends.quantities.map((q, i) =>
               el('tr', {}, el('th', {scope: 'row'}, isolated(q)),
@@ -61,7 +61,7 @@
       el('tr', {}, el('th', {scope: 'row'}, isolated(titleOf(c))), el('td', {}, isolated(w.why)),
          el('td', {}, el('code', {}, isolated(w.command))))));
     return rows.length ? section('worst', 'Worst flights',
-      table([head('Case', false), head('Why', false), head('Flies it again', false)], rows)) : null;
+      table([head('Case', false), head('Why', false), head('Command', false)], rows)) : null;
   }
 
   function comparisons() {
@@ -69,12 +69,12 @@
       section(`comparison-${index}`, c.title,
         el('p', {class: 'hint'}, isolated(c.passes)),
         c.differences.length
-          ? table([head('Figure', false), head('Mean'), head('95 % from'), head('to'), head('Unit', false), head('Draws')],
+          ? table([head('Metric', false), head('Mean'), head('95 % from'), head('to'), head('Unit', false), head('Draws')],
                   c.differences.map((d) =>
                     el('tr', {}, el('th', {scope: 'row'}, isolated(d.label)),
                        el('td', {class: 'number found', title: d.mean}, number(d.mean, 3)),
                        cellOf(d.low), cellOf(d.high), el('td', {}, isolated(d.unit)), cellOf(d.draws))))
-          : el('p', {class: 'note'}, 'No figure differs surely.')));
+          : el('p', {class: 'note'}, 'No metric differs significantly.')));
   }
 
   main.append(Frame.header('Campaign', data.title || 'Campaign'),
@@ -82,7 +82,7 @@
   if (data.distributions.length) {
     const host = el('div', {class: 'cells'});
     const designs = [...new Set(data.cases.map((c) => c.design))];
-    main.append(section('distributions', 'How the figures are spread',
+    main.append(section('distributions', 'Distributions of the metrics',
       el('p', {class: 'hint'}, 'Share of the flights below a value in %. Dashes: the mission\u2019s limit.'),
       designs.length > 1
         ? el('div', {class: 'key-list designs'},
@@ -97,9 +97,9 @@
     Frame.add(Cells);
   }
   main.append(...comparisons(), ...data.cases.map(trends).filter((part) => part !== null));
-  const last = [worst(), Frame.about('What was flown', data.about), Frame.origin('uPlot')];
+  const last = [worst(), Frame.about('Drawn parameters', data.about), Frame.origin('uPlot')];
   main.append(...last.filter((part) => part !== null));
 
-  // uPlot draws at the end of this task.
+  // uPlot draws after this task.
   setTimeout(() => { root.dataset.cells = String(Cells.count()); });
 })();

@@ -23,12 +23,12 @@ const Cells = (() => {
     };
   }
 
-  /** A chart with its caption, to be put into a grid of them. */
+  /** A chart with its caption, for a grid of charts. */
   function cell(caption, canvas) {
     return el('figure', {class: 'cell'}, el('figcaption', {}, caption), canvas);
   }
 
-  /** A shape in the chart's own units, under or over what is drawn. */
+  /** Draws a shape in the units of the chart, below or above the curves. */
   function paint(u, tone, shape) {
     const {ctx, bbox} = u;
     ctx.save();
@@ -97,11 +97,11 @@ const Cells = (() => {
   }
 
   /**
-   * The log-likelihood over one parameter, the others at their best, less its greatest value: with
-   * the level of the 95 % interval, the interval, the value found and the one before.
+   * The log-likelihood over one parameter, maximized over the others, relative to its maximum; with
+   * the level of the 95 % interval, the interval, the estimate and the value before.
    */
   function profile(host, caption, {x, y, value, low, high, before, level, logarithmic}) {
-    // Within a decade or so a logarithmic axis would have hardly a number at it.
+    // Within about a decade, a logarithmic axis would have hardly any labels.
     const wide = logarithmic && x[x.length - 1] > 30 * x[0];
     const floor = Math.max(Math.min(...y.filter((v) => v !== null), -2 * level), -6 * level);
     add(host, caption, {
@@ -142,21 +142,21 @@ const Cells = (() => {
     }, [x, y]);
   }
 
-  /** Shares of flights below a value, a curve a design, and the limit. */
+  /** Shares of flights below a value, one curve for each design, and the limit. */
   function distribution(host, caption, {curves, limit}) {
     const ends = curves.flatMap(({x}) => [x[0], x[x.length - 1]]).filter((v) => v !== null);
     if (limit !== null) ends.push(limit);
     const least = Math.min(...ends), most = Math.max(...ends);
-    // A design that is far worse would press the others against the edge; see profile().
+    // A design that is far worse would compress the others at the edge; see profile().
     const wide = least > 0 && most > 30 * least;
     const margin = 0.04 * (most - least || Math.abs(most) || 1);
-    // To one digit outwards: a logarithmic axis begins with a number that is read.
+    // Rounded outward to one digit, so that a logarithmic axis starts with a labelled number.
     const digit = (v, round) => {
       const decade = 10 ** Math.floor(Math.log10(v));
       return round(v / decade) * decade;
     };
     const range = wide ? [digit(least, Math.floor), digit(most, Math.ceil)] : [least - margin, most + margin];
-    // One axis for all: each curve's shares at the values of all.
+    // One axis for all curves: the shares of each curve at the values of all.
     const xs = [...new Set(curves.flatMap(({x}) => x.filter((v) => v !== null)))].sort((a, b) => a - b);
     const shares = curves.map(({x, reached}) => {
       const share = new Map(x.map((v, i) => [v, 100 * reached * i / (x.length - 1)]));
@@ -182,13 +182,13 @@ const Cells = (() => {
     }, [xs, ...shares]);
   }
 
-  /** The least cost so far over the evaluations of a search, a line of steps, and what was tried, dots. */
+  /** The minimum cost so far over the evaluations of a search (steps), and the evaluated points (dots). */
   function search(host, caption, {evaluation, best, tried}) {
-    // What flies away costs a hundred times as much: the axis is for what competes.
+    // A flight that diverges costs a hundred times as much; the axis shows competitive points.
     const least = Math.min(...best.filter((v) => v !== null));
     const most = Math.max(...best.filter((v) => v !== null));
     const margin = 0.1 * Math.max(most - least, 0.02 * Math.abs(most)) || 1;
-    const wide = least > 0 && most > 20 * least;  // a start that flies away
+    const wide = least > 0 && most > 20 * least;  // the start diverges
     const last = evaluation[evaluation.length - 1];
     add(host, caption, {
       scales: {x: {time: false, range: [0, Math.max(last, 2)]},

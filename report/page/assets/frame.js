@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every report has around its own parts: data, verdict, origin, light and dark, paper. The first
-// error that is thrown goes into data-error of the root element.
+// The parts that all reports share: data, verdict, origin, light and dark theme, printing. The first
+// error that is thrown is stored in data-error of the root element.
 'use strict';
 
 const Frame = (() => {
@@ -21,7 +21,7 @@ const Frame = (() => {
     el('section', {id, 'aria-labelledby': `${id}-title`}, el('h2', {id: `${id}-title`}, title), children);
   const isolated = (text) => el('bdi', {}, text);
 
-  /** The verdict in words; `counts` is a sentence before its reasons, or null. */
+  /** The verdict; `counts` is a sentence before its reasons, or null. */
   function verdict(words, counts) {
     return el('div', {class: `verdict ${data.verdict}`},
               el('strong', {}, words[data.verdict]),
@@ -36,7 +36,7 @@ const Frame = (() => {
               el('h1', {}, isolated(title)), children);
   }
 
-  /** Pairs of a word and what is said of it; null where there are none. */
+  /** A section with pairs of term and description; null if there are none. */
   function about(title, given) {
     const pairs = [...given];
     if (data.seed && !pairs.some(([key]) => key.toLowerCase() === 'seed')) pairs.push(['seed', data.seed]);
@@ -45,7 +45,7 @@ const Frame = (() => {
       el('dl', {}, pairs.map(([key, value]) => [el('dt', {}, isolated(key)), el('dd', {}, isolated(value))])));
   }
 
-  /** The plots over time in a section of `place`, with a button that shows all again; or null. */
+  /** The plots over time in a section of `place`, with a button that resets the zoom; or null. */
   function plots(place, clock, title, hint, whole) {
     if (!data.plots.length) return null;
     const reset = el('button', {type: 'button', class: 'reset', disabled: true}, whole);
@@ -61,13 +61,13 @@ const Frame = (() => {
     return drawing;
   }
 
-  /** @param libraries  that are in the file, in words. */
+  /** @param libraries  names of the libraries in the file. */
   function origin(libraries) {
     const sentence = data.rows > data.kept
-      ? `Plots show ${data.kept} of ${data.rows} rows: least and greatest value of each interval.`
+      ? `Plots show ${data.kept} of ${data.rows} rows: minimum and maximum of each interval.`
       : data.kept ? `Plots show all ${data.rows} rows.` : null;
     return el('footer', {},
-      data.command ? el('p', {}, 'Made by ', el('code', {}, isolated(data.command))) : null,
+      data.command ? el('p', {}, 'Produced by ', el('code', {}, isolated(data.command))) : null,
       el('p', {}, [data.version ? `quadtune ${data.version}.` : 'quadtune.',
                    data.seed ? `Seed ${data.seed}.` : null, sentence,
                    `This file loads nothing. It contains ${libraries} under the MIT licence.`]
@@ -78,7 +78,7 @@ const Frame = (() => {
 
   const prefersDark = matchMedia('(prefers-color-scheme: dark)');
   let theme = prefersDark.matches ? 'dark' : 'light';
-  const drawn = [];  // what has colours of its own: restyle(), print(on)
+  const drawn = [];  // objects that draw colours themselves: restyle(), print(on)
   const themeButton = el('button', {type: 'button', class: 'theme'});
   function paint(name) {
     root.dataset.theme = name;
@@ -97,7 +97,7 @@ const Frame = (() => {
   });
   paint(theme);
 
-  // Paper is white.
+  // Printing uses the light theme.
   window.addEventListener('beforeprint', () => {
     paint('light');
     for (const part of drawn) part.print(true);

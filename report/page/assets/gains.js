@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the report of gains that were tuned over missions together from its data. The root element's
-// data-plots is how many plots over time it has drawn, data-cells how many small charts.
+// Builds the report of gains that were tuned over missions from its data. The root element's
+// data-plots is the number of plots over time that are drawn, data-cells that of small charts.
 'use strict';
 
 (() => {
@@ -10,18 +10,18 @@
   const figure = (v) => (v === 'never' ? 'never' : number(v));
   const head = (text, kind = 'number') => el('th', {scope: 'col', class: kind}, text);
 
-  /** A value; what passes its limit has a cross, for who sees no colours. */
+  /** A cell with a value; a cross marks a violated limit, so that it does not depend on colour. */
   function cell(row, column) {
     const broken = row.broken[column];
     const kind = ['number', column === 1 ? 'found' : '', broken ? 'broken' : ''].join(' ').trim();
     return el('td', {class: kind, title: row.values[column]},
-              broken ? el('span', {title: 'beyond the limit'}, '\u2717\u00a0') : null,
+              broken ? el('span', {title: 'violates the limit'}, '\u2717\u00a0') : null,
               figure(row.values[column]));
   }
 
-  /** What is to be said of a limit: "binds", "broken", "kept". */
+  /** The state of a limit: "violated", "binding" or "met". */
   const result = (row) => (row.limit === null ? ''
-    : row.broken[1] ? 'broken' : row.binds ? 'binds' : 'kept');
+    : row.broken[1] ? 'violated' : row.binds ? 'binding' : 'met');
 
   function compared(table) {
     if (!table.rows.length) return null;
@@ -52,17 +52,17 @@
     const host = el('div', {class: 'cells'});
     const part = section('search', 'Search',
       el('div', {class: 'hint'},
-         el('span', {}, 'Cost on the draws of the search. Dots: points that were tried and allowed; line: the best so far.')), host);
+         el('span', {}, 'Cost on the draws of the search. Dots: feasible points that were evaluated; line: minimum so far.')), host);
     return {part, draw: () => Cells.search(host, 'Cost over evaluations', data.search)};
   }
 
-  /** Each mission over its own time. */
+  /** The plots of the missions, each over its own time. */
   function flown() {
     if (!data.flown.length) return [];
     const host = el('div', {class: 'summary'});
-    main.append(section('flown', 'One flight of each',
+    main.append(section('flown', 'One flight of each controller',
       el('div', {class: 'hint'},
-         'The first fresh draw, with the same noise and wind for each. Over time in s; drag to zoom, double-click for all.'),
+         'The first fresh draw, with the same noise and wind for each. Over time in s; drag to zoom, double-click to show all.'),
       host));
     return data.flown.map((one) => {
       const place = el('div', {});
@@ -76,22 +76,22 @@
     });
   }
 
-  // --- all together ---
+  // --- the page ---
 
   main.append(Frame.header('Gains over missions', data.title || 'Gains',
-    Frame.verdict({pass: 'Taken', fail: 'Not taken', none: 'No verdict'}, data.counts ? isolated(data.counts) : null)));
+    Frame.verdict({pass: 'Accepted', fail: 'Not accepted', none: 'No verdict'}, data.counts ? isolated(data.counts) : null)));
   const [first, second, ...rest] = data.tables.map(compared);
   main.append(el('div', {class: 'summary tables'}, first ?? null, second ?? null));
   const searched = search();
   main.append(el('div', {class: 'summary'},
-                 el('div', {}, searched ? searched.part : null, Frame.about('What was asked for', data.about)),
+                 el('div', {}, searched ? searched.part : null, Frame.about('Request', data.about)),
                  rest.filter((part) => part !== null)));
   if (searched) searched.draw();
   Frame.add(Cells);
   const flights = flown();
   main.append(Frame.origin('uPlot'));
 
-  // uPlot draws at the end of this task.
+  // uPlot draws after this task.
   setTimeout(() => {
     root.dataset.plots = String(flights.reduce((sum, drawing) => sum + drawing.count(), 0));
     root.dataset.cells = String(Cells.count());

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all parts of the report share: elements, numbers, colours, the clock.
+// Shared by all parts of the report: elements, numbers, colours, the clock.
 'use strict';
 
 const Page = (() => {
-  /** An element. Text goes in as text, never as markup; children that are null are left out. */
+  /** Creates an element. Text is inserted as text, never as markup; null children are skipped. */
   function el(tag, attributes = {}, ...children) {
     const element = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes)) {
@@ -22,7 +22,7 @@ const Page = (() => {
   const float32 = (base64) => new Float32Array(bytes(base64));
   const float64 = (base64) => new Float64Array(bytes(base64));
 
-  /** The last index whose time is not after t; times increase. */
+  /** The last index whose time does not exceed t; times increase. */
   function indexAt(times, t) {
     let low = 0;
     let high = times.length - 1;
@@ -34,7 +34,7 @@ const Page = (() => {
     return low;
   }
 
-  /** A number for a person, with a true minus sign. */
+  /** Formats a number, with a typographic minus sign. */
   function number(value, digits = 4) {
     if (value === null || value === undefined || Number.isNaN(value)) return '\u2013';
     if (value === 0) return '0';
@@ -45,14 +45,14 @@ const Page = (() => {
     return text.replace(/^-/, '\u2212');
   }
 
-  /** With a fixed count of decimals, so that a number that changes does not move. */
+  /** Formats with a fixed number of decimals, so that a changing number does not move. */
   function fixed(value, decimals) {
     if (!Number.isFinite(value)) return '\u2013';
     const text = value.toFixed(decimals);
     return (Number(text) === 0 ? (0).toFixed(decimals) : text).replace(/^-/, '\u2212');
   }
 
-  /** A number at an axis. */
+  /** Formats a number at an axis. */
   function tick(value) {
     const size = Math.abs(value);
     const text = size > 0 && (size < 1e-4 || size >= 1e6) ? value.toExponential() : String(value);
@@ -61,12 +61,12 @@ const Page = (() => {
 
   const withUnit = (text, unit) => (unit ? `${text}\u00a0${unit}` : text);
 
-  /** A colour of the style sheet, by the name of its variable. */
+  /** A colour of the style sheet, by the name of its CSS variable. */
   function color(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   }
 
-  /** The time that replay, scrub bar and plots share. Listeners get it whenever it is set. */
+  /** The time that replay, scrub bar and plots share. Listeners are called whenever it is set. */
   function makeClock(first, last) {
     const listeners = [];
     let before = 0;
@@ -98,7 +98,7 @@ const Page = (() => {
     function tick() {
       if (!clock.playing) return;
       const now = performance.now();
-      // A page that slept for long shall not have missed the flight.
+      // A suspension of the page advances the replay by at most 250 ms.
       const seconds = Math.min(Math.max(now - before, 0), 250) / 1000;
       before = now;
       const time = clock.time + clock.speed * seconds;

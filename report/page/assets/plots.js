@@ -8,12 +8,12 @@ const Plots = (() => {
   const kColors = 6;     // --series-1 … --series-6
   const kHeight = 190;   // of a plot [px]
   const kPrintSize = {width: 686, height: 160};
-  const kManyEvents = 30;   // from here on their lines step back
-  const kLeastSpan = 0.01;  // of the zoom [s]
+  const kManyEvents = 30;   // from this number on their lines are faint
+  const kLeastSpan = 0.01;  // minimum span of the zoom [s]
 
   /**
-   * Which colour, dashes and width a series has: references and estimates follow their value. The
-   * first band is an area, a further one the outline of what it is compared with.
+   * The colour, dashes and width of a series: references and estimates follow their value. The
+   * first band is an area; a further band is the outline of the comparison.
    */
   function looks(series) {
     const count = {value: 0, reference: 0, estimate: 0, measurement: 0, band: 0};
@@ -23,7 +23,7 @@ const Plots = (() => {
       if (s.style === 'band')
         return n === 0 ? {tone: 'muted', dash: [], width: 1, area: true}
                        : {tone: 'ink', dash: [2, 4], width: 1};
-      // With one value at most, colours tell the styles apart as well.
+      // With at most one value, colours distinguish the styles as well.
       const alone = values <= 1 && s.style !== 'value';
       const shift = {reference: 'ink', estimate: 2, measurement: 3}[s.style];
       let tone = `series-${(n % kColors) + 1}`;
@@ -35,7 +35,7 @@ const Plots = (() => {
     });
   }
 
-  /** Most values stand alone between gaps, as those of a slow sensor in a fast record. */
+  /** Whether most values are isolated between gaps, as for a slow sensor in a fast log. */
   function isSparse(values) {
     let alone = 0;
     let all = 0;
@@ -48,14 +48,14 @@ const Plots = (() => {
     return all > 1 && alone > all / 2;
   }
 
-  /** A value at a row; of a sparse series the last one that came. */
+  /** The value at a row; for a sparse series the most recent one. */
   function valueAt(values, row, sparse) {
     if (!sparse) return values[row];
     for (let i = row; i >= 0; --i) if (values[i] !== null) return values[i];
     return null;
   }
 
-  /** How many decimals tell values apart that a plot shows apart. */
+  /** The number of decimals that distinguishes values which the plot distinguishes. */
   function decimalsOf(series) {
     let low = Infinity;
     let high = -Infinity;
@@ -69,7 +69,7 @@ const Plots = (() => {
     return size > 0 && size < Infinity ? Math.min(Math.max(3 - Math.ceil(Math.log10(size)), 0), 9) : 1;
   }
 
-  /** A sample of a series' line for the legend. */
+  /** A sample of the line of a series, for the legend. */
   function swatch(look, dots) {
     const ns = 'http://www.w3.org/2000/svg';
     const svg = document.createElementNS(ns, 'svg');
@@ -92,7 +92,7 @@ const Plots = (() => {
     return svg;
   }
 
-  /** Draws all plots, one at least, into a host; returns what acts on all of them. */
+  /** Draws all plots, at least one, into a host; returns an object that acts on all of them. */
   function draw(data, clock, host) {
     const time = float64(data.time);
     const columns = data.columns.map((c) =>
@@ -100,7 +100,7 @@ const Plots = (() => {
     const full = {min: time[0], max: time.length > 1 ? time[time.length - 1] : time[0] + 1};
     const plots = [];
     const zoomListeners = [];
-    let following = false;  // a plot is being brought to what another one shows
+    let following = false;  // a plot is being synchronized with another one
     const drawn = new Set();
 
     function zoom(min, max, source) {
@@ -111,7 +111,7 @@ const Plots = (() => {
         listener(min > full.min || max < full.max);
     }
 
-    /** Zooms all plots about the clock's time. */
+    /** Zooms all plots around the time of the clock. */
     function zoomBy(factor) {
       const {min, max} = plots[0].u.scales.x;
       const span = Math.max((max - min) * factor, kLeastSpan);
@@ -134,7 +134,7 @@ const Plots = (() => {
           shown[i].textContent = fixed(value, decimals);
           return;
         }
-        // Of a band how wide it is to either side.
+        // The half width of a band.
         const above = valueAt(s.upper, row, s.sparse);
         const known = value !== null && above !== null;
         shown[i].textContent = known ? `\u00b1${fixed((above - value) / 2, decimals)}` : '\u2013';
@@ -173,8 +173,8 @@ const Plots = (() => {
         const dots = s.style === 'measurement' || (sparse && !upper);
         return {...s, look: styles[i], sparse, dots, values, upper};
       });
-      // Dots lie under lines and on areas; the keys stay in the order of the report. An edge of a
-      // band is a line of its own.
+      // Dots are drawn below lines and above areas; the keys keep the order of the report. Each edge
+      // of a band is a separate line.
       const depth = (s) => (s.upper ? 0 : s.dots ? 1 : 2);
       const layers = [...series].sort((a, b) => depth(a) - depth(b))
         .flatMap((s) => (s.upper ? [{...s, values: s.upper, of: s}, {...s, of: s}] : [{...s, of: s}]));
@@ -221,11 +221,11 @@ const Plots = (() => {
                  y: plot.logarithmic ? {distr: 3} : {}},
         bands: areas,
         axes: [{...axis, size: 26, space: 60},
-               // One width for all, so that the same instant is at the same place in each.
+               // Equal widths, so that an instant is at the same position in every plot.
                {...axis, size: 58, space: 28,
                 values: (u, splits) => splits.map((v) => (v === null ? '' : Page.tick(v)))}],
         cursor: {y: false, drag: {x: true, y: false, dist: 4}, points: {size: 6},
-                 // The cursor is the clock: it stays where the mouse has left it.
+                 // The cursor is the clock: it stays where the mouse left it.
                  bind: {mouseleave: () => null}},
         series: [{}, ...layers.map((s) => ({
           label: s.label,

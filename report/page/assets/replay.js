@@ -2,17 +2,17 @@
 // The flight in space with three.js; without WebGL, seen from above on a flat canvas.
 //
 // The scene is in world axes as they are recorded: x north, y east, z down. The camera's "up" is -z,
-// and the vehicle is modelled in its body axes forward, right, down. So nothing is ever mapped.
+// and the vehicle is modelled in its body axes forward, right, down. No axes are converted.
 'use strict';
 
 const Replay = (() => {
   const {el, float32, float64, indexAt, fixed, color} = Page;
 
-  const kFrontOfBody = 1e-3;    // a rotor farther ahead is a front one [share of the arm]
-  const kFixedShare = 0.18;     // the vehicle's least share of the picture from the fixed camera
+  const kFrontOfBody = 1e-3;    // a rotor farther forward is a front rotor [fraction of the arm]
+  const kFixedShare = 0.18;     // minimum size of the vehicle for the fixed camera [fraction of the picture]
   const kFieldOfView = 40;      // [deg]
 
-  /** The recorded flight, and what it was at any time. */
+  /** The recorded flight, and its state at any time. */
   function makeFlight(data) {
     const time = float64(data.time);
     const triple = (list) => (list ? list.map(float32) : null);
@@ -31,7 +31,7 @@ const Replay = (() => {
     function at(t) {
       const i = indexAt(time, t);
       const f = i + 1 < time.length ? Math.min(Math.max((t - time[i]) / (time[i + 1] - time[i]), 0), 1) : 0;
-      // Between two rows 1/30 s or so apart a straight line between the quaternions is near enough.
+      // Rows are about 1/30 s apart, so linear interpolation of the quaternions is accurate enough.
       const a = q.map((c) => c[i]);
       let quaternion = a;
       if (f > 0) {
@@ -67,7 +67,7 @@ const Replay = (() => {
 
   const finite = (point) => point !== null && point.every(Number.isFinite);
 
-  /** The box around what was flown and wanted. */
+  /** The box around the flown path and the reference. */
   function bounds(flight) {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
@@ -83,7 +83,7 @@ const Replay = (() => {
     return {low, high, radius};
   }
 
-  /** A multiple of a power of ten, not below x. */
+  /** A round number, a multiple of a power of ten, of at least x. */
   function roundUp(x, multiples) {
     const power = 10 ** Math.floor(Math.log10(x));
     return [...multiples, 10].map((m) => m * power).find((v) => v >= x * (1 - 1e-9));
@@ -91,7 +91,7 @@ const Replay = (() => {
   const roundDistance = (x) => roundUp(x, [1, 2, 5]);
   const roundScale = (x) => Math.max(1, roundUp(x, [1, 2, 3, 5]));
 
-  /** What stands over the picture: where the vehicle is and how it is turned. */
+  /** The readings above the picture: position and attitude of the vehicle. */
   function makeReadings(flight, host) {
     const cells = {};
     const item = (key, label, unit) => {
@@ -103,7 +103,7 @@ const Replay = (() => {
       el('div', {class: 'readings'},
          item('north', 'north', 'm'), item('east', 'east', 'm'), item('up', 'up', 'm'),
          item('speed', 'speed', 'm/s'), item('roll', 'roll', '\u00b0'), item('pitch', 'pitch', '\u00b0'),
-         item('yaw', 'yaw', '\u00b0'), flight.reference ? item('off', 'off reference', 'm') : null));
+         item('yaw', 'yaw', '\u00b0'), flight.reference ? item('off', 'from reference', 'm') : null));
     return (state) => {
       const [roll, pitch, yaw] = angles(state.quaternion).map((a) => (a * 180) / Math.PI);
       const [n, e, d] = state.position;
@@ -120,7 +120,7 @@ const Replay = (() => {
     };
   }
 
-  /** How the vehicle is to be drawn, from its rotors. */
+  /** The dimensions of the drawn vehicle, from its rotors. */
   function frame(data) {
     const places = data.rotors.map((r) => r.position);
     const arm = data.arm > 0 ? data.arm : Math.max(0.1, ...places.map((p) => Math.hypot(p[0], p[1])));
@@ -136,7 +136,7 @@ const Replay = (() => {
   // --- in space ---
 
   function makeRenderer() {
-    // A browser that cannot says so by an exception, and on its console.
+    // Without WebGL this throws an exception and writes to the console.
     try {
       return new Three.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
     } catch (error) {
@@ -152,13 +152,13 @@ const Replay = (() => {
     const center = new Three.Vector3(...low.map((v, i) => (v + high[i]) / 2));
     const camera = new Three.PerspectiveCamera(kFieldOfView, 1, extent / 500, extent * 200);
     camera.up.set(0, 0, -1);
-    const materials = [];  // with the names of their colours, for a change of theme
+    const materials = [];  // with the names of their colours, to change the theme
     const painted = (material, tone) => {
       materials.push({material, tone});
       return material;
     };
 
-    // The ground: a square of lines with round distances.
+    // The ground: a square grid with a round spacing.
     const wide = Math.max(high[0] - low[0], high[1] - low[1], 4 * span, extent);
     const cell = roundDistance(wide / 12);
     const edge = [0, 1].map((axis) => [Math.floor(low[axis] / cell - 1) * cell,
@@ -181,14 +181,14 @@ const Replay = (() => {
       return object;
     };
     const ground = segments(lines, painted(new Three.LineBasicMaterial(), 'ground'));
-    // A finer one goes along with the vehicle when the camera does.
+    // A finer grid follows the vehicle when the camera does.
     const kNear = 15;
     const nearLines = [];
     for (let k = -kNear; k <= kNear; ++k)
       nearLines.push(k, -kNear, 0, k, kNear, 0, -kNear, k, 0, kNear, k, 0);
     const nearGround = segments(nearLines, painted(new Three.LineBasicMaterial(), 'ground'));
 
-    // Paths: pieces between rows that have values, with the row at which each piece ends.
+    // Paths: segments between rows with values, and the row at which each segment ends.
     const pixels = [];
     const dashes = [];
     function track(rows, tone, width, {opacity = 1, dashed = false} = {}) {
@@ -217,7 +217,7 @@ const Replay = (() => {
     if (flight.estimate) track(flight.estimate, 'path-estimate', 1, {opacity: 0.7});
     track(flight.position, 'path', 2, {opacity: 0.28});
     const past = track(flight.position, 'path', 2.75);
-    if (past.object) past.object.renderOrder = 1;  // over what else is at the same place
+    if (past.object) past.object.renderOrder = 1;  // above other objects at the same place
 
     // The vehicle in body axes.
     const vehicle = new Three.Group();
@@ -264,7 +264,7 @@ const Replay = (() => {
     sun.position.set(-1, -0.6, -2);
     scene.add(sky, sun);
 
-    // Where it is over the ground.
+    // Its position above the ground.
     const drop = segments([0, 0, 0, 0, 0, 0], painted(new Three.LineBasicMaterial(), 'muted'));
     const spot = new Three.Mesh(new Three.RingGeometry(0.75, 1, 40), flat('muted', 0.8));
     scene.add(spot);
@@ -287,7 +287,7 @@ const Replay = (() => {
     controls.enableDamping = false;
     controls.maxDistance = extent * 60;
     controls.minDistance = span * 0.8;
-    // The wheel belongs to the page until the picture was clicked; a finger up or down as well.
+    // The wheel scrolls the page until the picture was clicked, as do vertical touch gestures.
     canvas.addEventListener('wheel', (event) => {
       controls.enableZoom = event.ctrlKey || document.activeElement === canvas;
     }, {capture: true, passive: true});
@@ -375,7 +375,7 @@ const Replay = (() => {
         disc.scale.setScalar(share === null ? 1 : Math.min(Math.max(share, 0.02), 1));
       });
       if (past.object) {
-        // As many pieces as have ended by now.
+        // The number of segments that have ended.
         let count = indexAt(past.ends, state.row);
         count = past.ends[count] <= state.row ? count + 1 : 0;
         past.object.visible = count > 0;
@@ -405,7 +405,7 @@ const Replay = (() => {
 
     function follow(on) {
       view.following = on;
-      // From afar the vehicle would be a dot.
+      // From far away the vehicle would be a dot.
       view.scale = on ? 1 : roundScale((kFixedShare * 2 * extent) / span);
       view.cell = cell;
       ground.visible = !on;
@@ -436,7 +436,7 @@ const Replay = (() => {
         controls.update();
         redraw();
       },
-      /** A browser prints what it has shown last, but a plain canvas as it is now. */
+      /** A browser prints a WebGL canvas as last shown, but a plain canvas in its current state. */
       print(on) {
         stage.querySelector('.paper')?.remove();
         canvas.hidden = on;
@@ -447,14 +447,14 @@ const Replay = (() => {
         stage.append(copy);
       },
       render,
-      /** Where a point of the body is in the picture [px], right and down from its corner. */
+      /** The position of a point of the body in the picture [px], to the right and down from its corner. */
       project(point) {
         vehicle.updateWorldMatrix(true, false);
         camera.updateMatrixWorld();
         const p = vehicle.localToWorld(new Three.Vector3(...point)).project(camera);
         return [((p.x + 1) / 2) * stage.clientWidth, ((1 - p.y) / 2) * stage.clientHeight];
       },
-      /** Looks at the vehicle from a place beside it, given in world axes [m]. */
+      /** Moves the camera to a position relative to the vehicle, in world axes [m]. */
       look(offset) {
         controls.target.copy(vehicle.position);
         camera.position.copy(vehicle.position).add(new Three.Vector3(...offset));
@@ -485,7 +485,7 @@ const Replay = (() => {
       ctx.scale(ratio, ratio);
       ctx.fillStyle = color('stage');
       ctx.fillRect(0, 0, width, height);
-      // North is up, east to the right; one metre is as long in both.
+      // North is up, east to the right; both axes have the same scale.
       const north = (low[0] + high[0]) / 2;
       const east = (low[1] + high[1]) / 2;
       const size = Math.min((0.82 * width) / Math.max(high[1] - low[1], 2 * span),
@@ -606,8 +606,8 @@ const Replay = (() => {
         return;
       }
       const {scale} = picture.view;
-      const text = grid + (scale > 1 ? ` Vehicle drawn ${scale} times its size.` : '') +
-        (flight.rotors.some((r) => r.top > 0) ? ' Rotor discs fill with speed.' : '');
+      const text = grid + (scale > 1 ? ` Vehicle drawn at ${scale} times its size.` : '') +
+        (flight.rotors.some((r) => r.top > 0) ? ' The fill of a rotor disc shows its speed.' : '');
       if (note.textContent !== text) note.textContent = text;
     };
     const key = (tone, text, shape = 'line') =>

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts a flight's report together from its data. What it has drawn is told in data attributes of the
-// root element: plots (how many), replay (drawn, flat or none).
+// Builds the report of a flight from its data. Data attributes of the root element state what is
+// drawn: plots (their number), replay (drawn, flat or none).
 'use strict';
 
 (() => {
   const {el, number, withUnit} = Page;
   const {root, data, main, section, isolated} = Frame;
 
-  // --- what was flown, and how well ---
+  // --- the flight and its metrics ---
 
-  /** "8 of 9 limits kept", or null. */
+  /** "8 of 9 limits met", or null. */
   function counts() {
     const limited = data.metrics.filter((m) => 'limit' in m);
     const kept = limited.filter((m) => m.ok).length;
-    return limited.length ? `${kept} of ${limited.length} limits kept` : null;
+    return limited.length ? `${kept} of ${limited.length} limits met` : null;
   }
 
   function metrics() {
@@ -28,7 +28,7 @@
                    m.text.replace(/^-/, '\u2212'),
                    el('span', {class: 'unit'}, m.unit ? `\u00a0${m.unit}` : '')),
                 limited ? el('td', {class: 'number limit'}, limit.replace('-', '\u2212')) : null,
-                limited ? el('td', {class: 'result'}, has ? (m.ok ? 'kept' : 'broken') : '') : null);
+                limited ? el('td', {class: 'result'}, has ? (m.ok ? 'met' : 'violated') : '') : null);
     });
     return section('metrics', 'Metrics',
       el('div', {class: 'scroll'},
@@ -90,7 +90,7 @@
                  })))))));
   }
 
-  // --- all together ---
+  // --- the page ---
 
   const flown = data.time ? Page.float64(data.time)
                           : data.replay ? Page.float64(data.replay.time) : [0];
@@ -119,10 +119,10 @@
   main.append(...[gains(), margins(), Frame.origin('uPlot and three.js')].filter((part) => part !== null));
 
   clock.set(clock.first);
-  // For scripts that take pictures of a certain instant or check where things are.
+  // For scripts that capture a certain instant or check positions in the picture.
   window.flightReport = {seek: clock.set, replay};
 
-  // uPlot draws at the end of this task.
+  // uPlot draws after this task.
   setTimeout(() => {
     root.dataset.plots = String(plots ? plots.count() : 0);
     root.dataset.replay = replay ? replay.kind : 'none';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the report of a filter's tuning together from its data. The root element's data-plots is how many
-// plots over time it has drawn, data-cells how many small charts.
+// Builds the report of the tuning of a filter from its data. The root element's data-plots is the number
+// of plots over time that are drawn, data-cells that of small charts.
 'use strict';
 
 (() => {
@@ -47,8 +47,8 @@
                  value(c.correlation), value(c.lag), value(c.kurtosis),
                  el('td', {class: 'result'}, c.failed.join(', '))))))),
       el('p', {class: 'note'},
-         'Size is the mean of e²/S, 1 where the covariances are right; mean and kurtosis are 0 then. '
-         + 'Correlation is the largest of the first lags.'));
+         'Size is the mean of e²/S, 1 if the covariances are right; mean and kurtosis are then 0. '
+         + 'Correlation is the largest at the first lags.'));
   }
 
   // --- charts ---
@@ -59,8 +59,8 @@
     if (!data.correlations.length) return;
     const host = grid();
     place.append(section('whiteness', 'Autocorrelation of the innovations',
-      el('p', {class: 'hint'}, 'Over the lag in samples. Bars after, circles before; white noise stays '
-         + 'within the grey band at 95 of 100 lags.'), host));
+      el('p', {class: 'hint'}, 'Over the lag in samples. Bars: after; circles: before; white noise stays '
+         + 'within the grey band at 95 % of the lags.'), host));
     for (const c of data.correlations) Cells.correlation(host, isolated(c.output), c);
   }
 
@@ -68,21 +68,21 @@
     if (!data.profiles.length) return;
     const host = grid();
     place.append(section('profiles', 'Profile of the likelihood',
-      el('p', {class: 'hint'}, 'Log-likelihood over one parameter, the others at their best, less its '
-         + 'greatest value. Full line: found; dashes: before, where it is near; area: the 95 % interval; dots: its level.'), host));
+      el('p', {class: 'hint'}, 'Log-likelihood over one parameter, maximized over the others, relative to its '
+         + 'maximum. Solid line: estimate; dashes: before, if in range; area: 95 % interval; dots: its level.'), host));
     for (const p of data.profiles)
       Cells.profile(host, [isolated(p.name), p.unit ? el('span', {class: 'unit'}, ' [', isolated(p.unit), ']') : null],
                     p);
   }
 
-  // --- all together ---
+  // --- the page ---
 
   const time = data.time ? Page.float64(data.time) : [0];
   const clock = Page.makeClock(time[0], time[time.length - 1]);
 
   main.append(
     Frame.header('Filter tuning', data.title || 'Filter',
-                 Frame.verdict({pass: 'Pass', fail: 'Fail', none: 'Too short to tell'}, null)),
+                 Frame.verdict({pass: 'Pass', fail: 'Fail', none: 'Too short for a verdict'}, null)),
     el('div', {class: 'summary'}, parameters(), el('div', {class: 'beside'}, Frame.about('Logs and fit', data.about))));
   main.append(...[checks()].filter((part) => part !== null));
   const charts = el('div', {class: 'summary'});
@@ -96,7 +96,7 @@
   main.append(Frame.origin('uPlot'));
   clock.set(clock.first);
 
-  // uPlot draws at the end of this task.
+  // uPlot draws after this task.
   setTimeout(() => {
     root.dataset.plots = String(plots ? plots.count() : 0);
     root.dataset.cells = String(Cells.count());

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# A small campaign and its bytes from one process, for tests of the engines of clusters and of disks.
-# Sourced with: program, work.
+# A small campaign and its bytes from one process, for tests with job systems and full disks.
+# To be sourced, with the variables program and work.
 
 work=${work:?}
 
-# The file of the campaign: 4096 short hovers.
+# The campaign file: 4096 short hovers.
 cat >"$work/campaign.toml" <<'TOML'
 name = "engines"
 vehicle = "mambo"
@@ -23,14 +23,14 @@ normal = { deviation = 0.05, least = 0.8, most = 1.2 }
 failures = 0
 TOML
 
-# What came out, whatever the way there.
+# The merged results, which must not depend on how they were computed.
 merged() { (cd "$1" && sha256sum flights.csv campaign.sqlite); }
 
-# Writes a program that does what quadtune does, but the first worker of a shard is killed in the
-# middle, with records on disk; the marker WORK/killed tells that it was. It kills a child of its own
-# and looks at how that ended: one that was done first, as on a machine that is busy with other
-# things, has its files taken away and is started afresh. Then it ends by the same signal itself,
-# which is what an engine sees.
+# Writes a program that behaves like quadtune, except that the first worker of a shard is killed in
+# the middle, with records on disk; the marker WORK/killed records this. It kills its own child and
+# checks how that ended: if the child finished first, e.g. on a busy machine, its files are removed
+# and it is started again. Then the program ends itself by the same signal,
+# which is what a job system sees.
 # usage: program_killed_once SHARD FILE
 program_killed_once() {
   cat >"$2" <<SCRIPT
@@ -42,7 +42,7 @@ SCRIPT
 [ "$1 $2 $4 $5" = "campaign work --shard $shard" ] && mkdir "$work/begun" 2>/dev/null ||
   exec "$program" "$@"
 files=$3/0000$shard
-# A header, and a record that is whole.
+# A header and one complete record.
 has_records() { [ -n "$(find "$3" -name "0000$shard.*.part" -size +600c)" ]; }
 while true; do
   "$program" "$@" >"$work/killed.txt" 2>&1 &

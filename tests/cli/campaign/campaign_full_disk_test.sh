@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A campaign on a disk that fills up, a small one in memory that nobody else sees: what is full is
-# named, nothing that was flown is lost, and with more room the bytes are those of a large disk.
+# A campaign on a disk that fills up, a small private one in memory: the full disk is reported,
+# no flown flight is lost, and with more space the bytes are those of a large disk.
 # usage: campaign_full_disk_test.sh PROGRAM
 set -euo pipefail
 program=$1
 if [ "${2:-}" != mounted ]; then
-  # A name space of its own: root may have one, others with themselves as its root.
+  # A separate mount name space: root may create one, other users with themselves as its root.
   own=(unshare --mount)
   [ "$(id -u)" = 0 ] || own=(unshare --user --map-root-user --mount)
   "${own[@]}" sh -c 'mount -t tmpfs -o size=64k quadtune-test /mnt' 2>/dev/null || {
@@ -22,14 +22,14 @@ here=$(dirname "$0")
 . "$here/campaign_file.sh"
 mkdir "$work/disk"
 mount -t tmpfs -o size=16m quadtune-test "$work/disk"
-# Leaves so many kB free: ballast takes the rest, since not everybody may change the size.
+# Leaves this number of kB free: ballast fills the rest, since not every user may change the size.
 room() {
   rm -f "$work/disk/ballast"
   fallocate -l $(($(df --output=avail -k "$work/disk" | tail -n 1) - $1))K "$work/disk/ballast"
 }
 files() { find "$work/disk/c" -type f | wc -l; }
 
-# Runs a verb that must find the disk full at a file: status 5, one line, nothing on the output.
+# Runs a command that must report a full disk for a file: status 5, one line, no output.
 full_at() {
   local name=$1 status=0
   shift
@@ -42,7 +42,7 @@ full_at() {
   [ ! -s "$work/out" ] || { echo "it printed as if all were well" && exit 1; }
 }
 
-# Full while it flies: 4096 records are 900 kB. Again, it stays at what it has.
+# Full during the flights: 4096 records are 900 kB. A second run keeps the existing records.
 room 300
 "$program" campaign init "$work/campaign.toml" "$work/disk/c"
 full_at '[.]part' work "$work/disk/c" --shard 0
@@ -50,9 +50,9 @@ before=$(files)
 full_at '[.]part' work "$work/disk/c" --shard 0
 [ "$(files)" = "$before" ] || { echo "a second try left files" && exit 1; }
 "$program" campaign status "$work/disk/c" | tee "$work/status"
-grep -Eq 'stopped|running' "$work/status" || { echo "status does not tell of it" && exit 1; }
+grep -Eq 'stopped|running' "$work/status" || { echo "status does not report it" && exit 1; }
 
-# Room for all records, but not twice: full when the shard's file is made.
+# Space for all records, but not twice: full when the file of the shard is written.
 room 800
 full_at '[.]part' work "$work/disk/c" --shard 0
 before=$(files)
@@ -62,7 +62,7 @@ room 1000
 "$program" campaign work "$work/disk/c" --shard 0 | tee "$work/last"
 grep -q '^shard 0: 0 flown, 4096 found$' "$work/last" || { echo "flights were lost" && exit 1; }
 
-# Full while it merges, which leaves nothing half done.
+# Full during the merge, which leaves no partial files.
 full_at '(flights.csv|campaign.sqlite)' merge "$work/disk/c"
 [ -z "$(find "$work/disk/c" -name '*.quadtune-tmp')" ] || { echo "it left a part of a table" && exit 1; }
 rm "$work/disk/ballast"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A campaign's shards by GNU parallel: a worker is killed in the middle, the script called again;
-# what is merged is what one process gives.
+# The shards of a campaign by GNU parallel: a worker is killed in the middle, the script is called again;
+# the merged result is that of one process.
 # usage: campaign_parallel_test.sh PROGRAM
 set -euo pipefail
 program=$1
@@ -26,7 +26,7 @@ fi
 [ -f "$work/killed" ] || { cat "$work/first.txt" && exit 1; }
 "$work/shared/parallel.sh" >"$work/second.txt" 2>&1
 cat "$work/second.txt"
-# What failed, and nothing else.
+# The second call flies only the shard that failed.
 [ "$(grep -c '^shard' "$work/second.txt")" = 1 ] || { echo "it flew more than what failed" && exit 1; }
 "$program" campaign merge "$work/shared" >/dev/null
 

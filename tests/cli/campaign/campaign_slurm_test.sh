@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A campaign as a job array of a real Slurm of one node, on the loopback, without root: a worker is
-# killed in the middle and its job requeued; what is merged is what one process gives.
+# A campaign as a job array of a real Slurm with one node, on the loopback interface, without root: a
+# worker is killed in the middle and its job requeued; the merged result is that of one process.
 # usage: campaign_slurm_test.sh PROGRAM
 set -euo pipefail
 program=$1
@@ -15,7 +15,7 @@ PATH=$PATH:/usr/sbin
 work=$(mktemp -d)
 daemons=()
 cleanup() {
-  # Asked kindly they take their time.
+  # After SIGTERM they would run on for some time.
   [ ${#daemons[@]} -eq 0 ] || kill -KILL "${daemons[@]}" 2>/dev/null || true
   wait 2>/dev/null || true
   rm -rf "$work"
@@ -80,7 +80,7 @@ program_killed_once 3 "$work/quadtune"
 export QUADTUNE=$work/quadtune
 job=$(sbatch --parsable slurm.sh)
 
-# Killed in the middle, its records of a part on disk.
+# Killed in the middle, with records of a part on disk.
 for _ in $(seq 3000); do
   [ ! -f "$work/killed" ] || break
   sleep 0.1
@@ -97,7 +97,7 @@ done
 [ $requeued = yes ] || { echo "the job is not requeued" && squeue && exit 1; }
 for _ in $(seq 3000); do
   if left=$(squeue -h) && [ -z "$left" ] && [ -f 00003.flights ]; then break; fi
-  # Slurm would wait two minutes before it begins a requeued job.
+  # By default Slurm waits two minutes before it starts a requeued job.
   scontrol update "JobId=${job}_3" StartTime=now 2>/dev/null || true
   sleep 0.1
 done

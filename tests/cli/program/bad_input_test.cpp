@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a user gets for a mistake: one line, the documented exit status, no output file.
+/// The response to invalid input: one line, the documented exit status, no output file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-/// One mistake. "@" in an argument stands for the temporary directory.
+/// One invalid input. "@" in an argument is replaced by the temporary directory.
 struct Mistake {
   std::string name;
   std::vector<std::string> args;
@@ -43,7 +43,7 @@ struct Mistake {
   std::vector<std::pair<std::string, std::string>> files = {};
 };
 
-/// What Google Test and CTest call a case.
+/// The name of a case in Google Test and CTest.
 void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.name; }
 
 std::string mambo_with(const std::string& from, const std::string& to) {
@@ -68,7 +68,7 @@ Mistake design_mistake(const std::string& name, const std::string& from, const s
           {{"d.toml", hover_with(from, to)}}};
 }
 
-/// lqr on matrix files: good ones, but for those that the mistake replaces.
+/// lqr with matrix files, which are valid except those that the mistake replaces.
 Mistake matrix_mistake(const std::string& name, int status, const std::vector<std::string>& said,
                        const std::vector<std::pair<std::string, std::string>>& bad,
                        const std::vector<std::string>& extra = {}) {
@@ -167,9 +167,9 @@ std::vector<Mistake> matrix_mistakes() {
       matrix_mistake("WordInMatrix", 3, {"A:1", "one"}, {{"A", "0 one\n0 0\n"}}),
       matrix_mistake("NegativeSampleTime", 2, {"--sampled is -0.01"}, {}, {"--sampled", "-0.01"}),
       matrix_mistake("ZeroSampleTime", 2, {"--sampled is 0"}, {}, {"--sampled", "0"}),
-      matrix_mistake("CannotBeSteered", 4, {"not stabilizable", "cannot be steered"},
+      matrix_mistake("CannotBeSteered", 4, {"not stabilizable", "cannot be controlled"},
                      {{"B", "1\n0\n"}}),
-      matrix_mistake("NotSeen", 4, {"not seen by Q"}, {{"Q", "0 0\n0 0\n"}}),
+      matrix_mistake("NotSeen", 4, {"not observable through Q"}, {{"Q", "0 0\n0 0\n"}}),
   };
 }
 
@@ -211,25 +211,25 @@ std::vector<Mistake> command_line_mistakes() {
       {"NegativeThreads",
        {"linearize", "uquad", "--threads", "-1"},
        2,
-       {"--threads: '-1' came, expected a whole number of 1 or more"}},
-      {"NoThreads", {"linearize", "uquad", "--threads", "0"}, 2, {"--threads: '0' came"}},
-      {"FractionalSeed", {"linearize", "uquad", "--seed", "1.5"}, 2, {"--seed: '1.5' came"}},
+       {"--threads: '-1' is invalid; expected an integer of at least 1"}},
+      {"NoThreads", {"linearize", "uquad", "--threads", "0"}, 2, {"--threads: '0' is invalid"}},
+      {"FractionalSeed", {"linearize", "uquad", "--seed", "1.5"}, 2, {"--seed: '1.5' is invalid"}},
       {"OptionTwice",
        {"linearize", "uquad", "--yaw", "0", "--yaw=1"},
        2,
-       {"quadtune linearize: --yaw came 2 times, expected it once"}},
+       {"quadtune linearize: --yaw is given 2 times; expected once"}},
       {"OptionWithoutValue",
        {"linearize", "uquad", "--yaw"},
        2,
-       {"quadtune linearize: --yaw has no value, expected one"}},
+       {"quadtune linearize: --yaw requires a value"}},
       {"OptionForAValue",
        {"linearize", "uquad", "-o", "--quiet"},
        2,
-       {"quadtune linearize: -o has no value, expected one"}},
+       {"quadtune linearize: -o requires a value"}},
       {"FlagWithAValue",
        {"linearize", "uquad", "--quiet=maybe"},
        2,
-       {"quadtune linearize: --quiet came with a value, expected --quiet alone"}},
+       {"quadtune linearize: --quiet was given a value; expected --quiet alone"}},
       {"UnknownFlight", {"linearize", "uquad", "--at", "loop"}, 2, {"--at", "loop", "hover"}},
       {"UnknownStateInList",
        {"linearize", "uquad", "--states", "px,altitude"},
@@ -238,19 +238,19 @@ std::vector<Mistake> command_line_mistakes() {
       {"StateTwiceInList",
        {"linearize", "uquad", "--states", "px,px"},
        2,
-       {"--states: state 'px' is named twice"}},
+       {"--states: state 'px' is listed twice"}},
       {"UnknownIntegral",
        {"lqr", "uquad", "--integral", "pich"},
        2,
-       {"--integral: no state 'pich'", "px py pz roll", "did you mean 'pitch'?"}},
+       {"--integral: unknown state 'pich'", "px py pz roll", "did you mean 'pitch'?"}},
       {"IntegralOfADroppedState",
        {"lqr", "uquad", "--states", "no-position", "--integral", "px"},
        2,
-       {"--integral: no state 'px', expected some of pz roll"}},
+       {"--integral: unknown state 'px'; expected names from pz roll"}},
       {"IntegralTwice",
        {"lqr", "uquad", "--integral", "pz,pz"},
        2,
-       {"--integral: state 'pz' is named twice"}},
+       {"--integral: state 'pz' is listed twice"}},
       {"WrongNumberOfWeights",
        {"lqr", "uquad", "--plant", "ideal", "--Q", "1,2,3"},
        2,
@@ -325,7 +325,7 @@ std::vector<Mistake> command_line_mistakes() {
        {"pid", "--num", "1", "--den", "1,1", "--rule", "simc", "--plot", "@/out.jpg"},
        2,
        {"quadtune pid: --plot is '", "/out.jpg'"}},
-      // Known before any work: the loop is wrong, too.
+      // The name is validated before any work: the loop is invalid, too.
       {"PictureFormatComesFirst",
        {"margins", "--num", "1,0,0", "--den", "1,1", "--plot", "@/out.SVG"},
        2,
@@ -333,7 +333,7 @@ std::vector<Mistake> command_line_mistakes() {
       {"PictureWithoutValue",
        {"margins", "--num", "1", "--den", "1,1", "--plot"},
        2,
-       {"--plot has no value"}},
+       {"--plot requires a value"}},
       {"PictureBelowAFile",
        {"margins", "--num", "1", "--den", "1,1", "--plot", "@/taken/out.svg"},
        5,
@@ -368,11 +368,11 @@ std::vector<Mistake> command_line_mistakes() {
       {"RuleWithoutLag",
        {"pid", "--num", "1", "--den", "1,0", "--rule", "amigo"},
        4,
-       {"the rule needs a model"}},
+       {"the rule requires a first-order model"}},
       {"TauForAnotherRule",
        {"pid", "--num", "1", "--den", "1,1", "--rule", "amigo", "--tau-c", "1"},
        2,
-       {"--tau-c belongs to the rules simc and lambda"}},
+       {"--tau-c is only for the rules simc and lambda"}},
       {"CrossoverBeyondDelay",
        {"pid", "--num", "1", "--den", "1,1", "--delay", "1", "--type", "PI", "--crossover", "5",
         "--phase-margin", "60"},
@@ -401,15 +401,15 @@ std::vector<Mistake> command_line_mistakes() {
       {"SensorDelayTooLong",
        {"pid", "mambo", "--sensor-delay", "roll=1"},
        2,
-       {"--sensor-delay of roll is 1 s", "no more than 40 samples, 0.2 s"}},
+       {"--sensor-delay of roll is 1 s", "at most 40 samples, 0.2 s"}},
       {"BandwidthTwice",
        {"pid", "mambo", "--bandwidth", "roll=4,roll=5"},
        2,
-       {"--bandwidth names loop 'roll' twice"}},
+       {"--bandwidth has loop 'roll' twice"}},
       {"IntegralOfALoopTwice",
        {"pid", "mambo", "--integral", "x,x"},
        2,
-       {"--integral names loop 'x' twice"}},
+       {"--integral has loop 'x' twice"}},
       {"NegativeMotorLag", {"pid", "mambo", "--motor-lag", "-1"}, 2, {"--motor-lag is -1 s"}},
       {"LongMotorLag",
        {"pid", "mambo", "--motor-lag", "1.5"},
@@ -432,19 +432,19 @@ std::vector<Mistake> command_line_mistakes() {
       {"CompareWithoutVehicle",
        {"discretize", "--compare", "--dt", "0.01"},
        2,
-       {"--compare came without a vehicle"}},
+       {"--compare requires a vehicle"}},
       {"CompareOneMethod",
        {"discretize", "mambo", "--compare", "--dt", "0.01", "--method", "zoh"},
        2,
-       {"--method came with --compare"}},
+       {"--method cannot be combined with --compare"}},
       {"VehicleWithoutCompare",
        {"discretize", "mambo", "--dt", "0.01"},
        2,
-       {"V came without --compare"}},
+       {"V requires --compare"}},
       {"PlotWithoutCompare",
        {"discretize", "--num", "1", "--den", "1,1", "--dt", "0.01", "--plot", "@/a.svg"},
        2,
-       {"--plot came without --compare"}},
+       {"--plot requires --compare"}},
       {"ComparePeriod", {"discretize", "mambo", "--compare", "--dt", "-1"}, 2, {"--dt is -1"}},
       {"ComparePlant",
        {"discretize", "mambo", "--compare", "--dt", "0.01", "--plant", "real"},
@@ -453,7 +453,7 @@ std::vector<Mistake> command_line_mistakes() {
       {"PlantWithoutCompare",
        {"discretize", "--num", "1", "--den", "1,1", "--dt", "0.01", "--plant", "ideal"},
        2,
-       {"--plant came without --compare"}},
+       {"--plant requires --compare"}},
       {"CompareUnknownVehicle",
        {"discretize", "mamba", "--compare", "--dt", "0.01"},
        3,
@@ -478,7 +478,7 @@ std::vector<Mistake> command_line_mistakes() {
   };
 }
 
-/// discretize on good matrix files A (2x2), B, C (2x2) and one sample period.
+/// discretize with valid matrix files A (2x2), B, C (2x2) and one sample period.
 Mistake sampling_mistake(const std::string& name, int status, const std::vector<std::string>& said,
                          const std::vector<std::string>& extra,
                          const std::string& A = "0 1\n0 0\n") {
@@ -503,7 +503,8 @@ std::vector<Mistake> sampling_mistakes() {
                        {"--method", "tustin", "--prewarp", "32"}),
       sampling_mistake("PrewarpAtZero", 2, {"--prewarp is 0 rad/s, expected more than 0"},
                        {"--method", "tustin", "--prewarp", "0"}),
-      sampling_mistake("PrewarpOfAHold", 2, {"--prewarp came with --method zoh, expected tustin"},
+      sampling_mistake("PrewarpOfAHold", 2,
+                       {"--prewarp does not apply to --method zoh, expected tustin"},
                        {"--prewarp", "3"}),
       sampling_mistake("PrewarpedPole", 3, {"A has a pole at 18.3049 1/s", "w/tan(w dt/2)"},
                        {"--method", "tustin", "--prewarp", "10"}, "18.304877217124517 0\n0 -1\n"),
@@ -514,9 +515,10 @@ std::vector<Mistake> sampling_mistakes() {
                        {"--method", "matched"}),
       sampling_mistake("ImpulseOfAFeedthrough", 3, {"impulse: D has 1 at (2,1), expected 0"},
                        {"--method", "impulse", "--D", "@/D"}),
-      sampling_mistake("FractionalDelayOfTustin", 3,
-                       {"the delay of input 1 is 0.05 s", "a fraction of one is exact by zoh only"},
-                       {"--method", "tustin", "--input-delay", "0.05"}),
+      sampling_mistake(
+          "FractionalDelayOfTustin", 3,
+          {"the delay of input 1 is 0.05 s", "only zoh is exact for fractions of a sample"},
+          {"--method", "tustin", "--input-delay", "0.05"}),
       sampling_mistake("NegativeDelay", 2, {"--output-delay has -0.1 s, expected 0 or more"},
                        {"--output-delay", "0,-0.1"}),
       sampling_mistake("DelaysForOtherChannels", 2,
@@ -524,12 +526,12 @@ std::vector<Mistake> sampling_mistakes() {
                        {"--output-delay", "0,0,0"}),
       sampling_mistake("DelayOfAWeek", 3, {"samples, expected at most 2000 altogether"},
                        {"--input-delay", "604800"}),
-      sampling_mistake("DelayOfMatrices", 2, {"--delay came without --num and --den"},
+      sampling_mistake("DelayOfMatrices", 2, {"--delay requires --num and --den"},
                        {"--delay", "0.1"}),
-      sampling_mistake("InverseWithDelays", 2, {"--input-delay came with --inverse"},
+      sampling_mistake("InverseWithDelays", 2, {"--input-delay cannot be combined with --inverse"},
                        {"--inverse", "--input-delay", "0.1"}),
       sampling_mistake("InverseOfAnotherMethod", 2,
-                       {"--inverse came with --method foh, expected zoh or tustin"},
+                       {"--inverse cannot be combined with --method foh"},
                        {"--inverse", "--method", "foh"}),
       sampling_mistake("InverseOfANegativePole", 3,
                        {"zoh: A has a pole at -0.5, expected none on the negative real axis"},
@@ -538,7 +540,7 @@ std::vector<Mistake> sampling_mistakes() {
                        {"--inverse"}, "0 1\n0 0.5\n"),
       sampling_mistake("InverseOfAPoleAtMinusOne", 3, {"tustin: A has a pole at -1, expected none"},
                        {"--inverse", "--method", "tustin"}, "-1 1\n0 0.5\n"),
-      sampling_mistake("MatricesAndFraction", 2, {"--A came with --num and --den"},
+      sampling_mistake("MatricesAndFraction", 2, {"--A cannot be combined with --num and --den"},
                        {"--num", "1", "--den", "1,1"}),
       fraction_mistake("ImproperFraction", 3,
                        {"zoh: num has degree 2, den 1, expected no more zeros than poles"}, "1,0,0",
@@ -583,10 +585,11 @@ std::vector<Mistake> schedule_mistakes() {
   return {
       schedule_mistake("UnknownAxis", "sped=0:1:2",
                        {"--schedule: no axis 'sped', expected one of", "did you mean 'speed'?"}),
-      schedule_mistake("AxisWithoutValues", "speed", {"--schedule: 'speed' came, expected axes"}),
+      schedule_mistake("AxisWithoutValues", "speed",
+                       {"--schedule: 'speed' is malformed; expected axes"}),
       schedule_mistake("EmptyAxis", "speed=1,,mass=1", {"--schedule: an axis is empty"}),
       schedule_mistake("BlankGrid", " ", {"--schedule: an axis is empty"}),
-      schedule_mistake("AxisTwice", "speed=1, speed=2", {"axis speed came twice"}),
+      schedule_mistake("AxisTwice", "speed=1, speed=2", {"axis speed is given twice"}),
       schedule_mistake("StepOfZero", "speed=0:0:2",
                        {"axis speed has step 0, expected more than 0"}),
       schedule_mistake("StepBackwards", "speed=2:-1:0", {"axis speed has step -1"}),
@@ -602,11 +605,11 @@ std::vector<Mistake> schedule_mistakes() {
       schedule_mistake("FourNumbers", "speed=0:1:2:3", {"axis speed has 4 numbers"}),
       schedule_mistake("NegativeSpeed", "speed=-1:1:1", {"speed has -1 m/s, expected 0 or more"}),
       schedule_mistake("NoMass", "mass=0:0.5:1", {"mass has 0, expected more than 0"}),
-      schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 steps, expected no more than"}),
+      schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 steps, expected at most"}),
       schedule_mistake("TooManyPoints", "speed=0:0.01:10, climb=0:0.01:10",
                        {"more than 100000 points at axis climb"}),
-      schedule_mistake("ScheduleOfAFlight", "speed=1", {"--at came with --schedule", "as axes"},
-                       {"--at", "line"}),
+      schedule_mistake("ScheduleOfAFlight", "speed=1",
+                       {"--at cannot be combined with --schedule", "as axes"}, {"--at", "line"}),
       schedule_mistake("ScheduleBadWeights", "speed=1", {"--Q has 3 entries, expected 12"},
                        {"--Q", "1,2,3"}),
       schedule_mistake("ScheduleWithoutPeriod", "speed=1", {"--dt is missing"},
@@ -616,9 +619,9 @@ std::vector<Mistake> schedule_mistakes() {
       schedule_mistake("ScheduleBeyondTheThrust", "speed=8, yaw_rate=2",
                        {"no point of the schedule has a gain", "needs a tilt of"}, {}, 4),
       schedule_mistake("ScheduleSeenByNoWeight", "speed=1",
-                       {"no gain", "not detectable", "not seen by Q"}, {"--Q", "0"}, 4),
+                       {"no gain", "not detectable", "not observable through Q"}, {"--Q", "0"}, 4),
       schedule_mistake("ScheduleFileOfNoFormat", "speed=1",
-                       {"-o: 'k.txt' does not tell the format", ".toml or .json"},
+                       {"-o: cannot determine the format from 'k.txt'", ".toml or .json"},
                        {"-o", "@/k.txt"}),
       {"ScheduleOfMatrices",
        {"lqr", "--A", "@/A", "--B", "@/A", "--schedule", "speed=1"},
@@ -651,8 +654,8 @@ std::vector<Mistake> flight_mistakes() {
       fly("UnknownEstimator", {"--estimator", "manbo"}, {"--estimator", "did you mean 'mambo'"}),
       fly("EstimatorWithoutItsSensors", {"--estimator", "uquad"}, {"--estimator", "has no"}),
       fly("UnknownFlow", {"--flow", "half"}, {"--flow", "full, simplified, off"}),
-      fly("NoFlowRate", {"--flow-rate", "0"}, {"--flow-rate", "'0'", "more than 0"}),
-      fly("NoStep", {"--step", "0"}, {"--step", "'0'", "more than 0"}),
+      fly("NoFlowRate", {"--flow-rate", "0"}, {"--flow-rate", "'0'", "greater than 0"}),
+      fly("NoStep", {"--step", "0"}, {"--step", "'0'", "greater than 0"}),
       fly("StepTooSmall", {"--step", "1e-12"}, {"--step", "a millionth"}),
       fly("DurationTooLong", {"--duration", "1e9"}, {"--duration", "at most"}),
       fly("RecordTooLong", {"--duration", "20000", "--log", "@/f.csv"},
@@ -668,7 +671,7 @@ std::vector<Mistake> flight_mistakes() {
        2,
        {"--flow", "no optical flow sensor"}},
       fly("EveryEstimatorIsNamed", {"--estimator", "kalman"}, {"mambo-original, mambo-raw"}),
-      fly("WindTwice", {"--wind", "north=1,north=2"}, {"--wind", "'north' came twice"}),
+      fly("WindTwice", {"--wind", "north=1,north=2"}, {"--wind", "'north' is given twice"}),
       fly("OneFileForTwo", {"--log", "@/f.csv", "-o", "@/f.csv"}, {"--log", "-o", "two files"}),
       {"DesignOfAnotherVehicle",
        {"fly", "uquad", "--gains", testing::source_folder() + "/designs/mambo-hover.toml"},
@@ -678,9 +681,9 @@ std::vector<Mistake> flight_mistakes() {
        {"fly", "uquad", "--controller", "cascaded-pid", "--gains",
         testing::source_folder() + "/designs/uquad-hover.toml"},
        3,
-       {"uquad-hover.toml", "holds a state feedback and no PID cascade"}},
+       {"uquad-hover.toml", "has a state feedback, but no PID cascade"}},
       {"CompareFlowWithoutSensor", {"compare", "flow", "uquad"}, 2, {"no optical flow sensor"}},
-      fly("NegativeFlowRate", {"--flow-rate", "-60"}, {"--flow-rate", "-60", "more than 0"}),
+      fly("NegativeFlowRate", {"--flow-rate", "-60"}, {"--flow-rate", "-60", "greater than 0"}),
       fly("UnknownSensors", {"--sensors", "reel"}, {"--sensors", "did you mean 'real'"}),
       fly("UnknownWind", {"--wind", "stormy"}, {"--wind", "stormy", "calm, light"}),
       fly("WindWithoutNumber", {"--wind", "north=strong"}, {"--wind", "north", "'strong'"}),
@@ -690,7 +693,7 @@ std::vector<Mistake> flight_mistakes() {
       fly("IntegratorOfAStateFeedback",
           {"--controller", "state-feedback", "--integrator", "tustin"},
           {"--integrator", "cascaded PID"}),
-      fly("DurationOfNothing", {"--duration", "-1"}, {"--duration", "-1", "more than 0"}),
+      fly("DurationOfNothing", {"--duration", "-1"}, {"--duration", "-1", "greater than 0"}),
       fly("LogOfAnotherKind", {"--log", "@/f.xlsx"}, {"--log", ".csv", ".mat"}),
       fly("ReportOfAnotherKind", {"--report", "@/f.pdf"}, {"--report", ".html"}),
       fly("MissingGains", {"--gains", "@/none.json"}, {"none.json"}, 5),
@@ -793,7 +796,7 @@ void expect_one_line_and_status(const Mistake& mistake) {
 
 TEST_P(BadInput, GetsOneLineAndTheDocumentedStatus) { expect_one_line_and_status(GetParam()); }
 
-// Not among the cases of BadInput: those are made whenever the program starts.
+// Not among the cases of BadInput, which are created at every start of the test program.
 TEST(HugeInput, GetsOneLineAndTheDocumentedStatus) {
   expect_one_line_and_status({"HugeVehicle",
                               {"vehicle", "check", "@/v.toml"},

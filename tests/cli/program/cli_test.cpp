@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The program as a user runs it: results, JSON keys, help.
+/// The program, run as by a user: results, JSON keys, help.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -37,7 +37,7 @@ using testing::TemporaryDirectory;
 
 const std::string kSource = testing::source_folder();
 
-/// Runs with --json and parses what came.
+/// Runs with --json and parses the output.
 nlohmann::ordered_json json_of(std::vector<std::string> args) {
   args.push_back("--json");
   const ProgramResult result = run_program(args);
@@ -49,7 +49,8 @@ Eigen::MatrixXd matrix(const nlohmann::ordered_json& json, const char* key) {
   return internal::matrix_from_json(internal::Json::parse(json.at(key).dump()), key);
 }
 
-/// Examples run as printed from the project's root; what they write goes to a temporary directory.
+/// Runs the examples as printed from the project's root; their output goes to a temporary
+/// directory.
 class Examples : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::current_path(kSource); }
@@ -68,7 +69,8 @@ class Examples : public ::testing::Test {
 
 TEST_F(Examples, OfTheHelpPagesWorkAsPrinted) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
-  for (const cli::Verb& verb : cli::verbs()) {  // design comes first and writes what others read
+  for (const cli::Verb& verb : cli::verbs()) {  // design is first and writes what other examples
+                                                // read
     const ProgramResult result = run_program(arguments(verb.example));
     EXPECT_EQ(result.status, 0) << verb.example << "\n" << result.err;
     EXPECT_NE(result.out, "") << verb.example;
@@ -87,7 +89,7 @@ TEST_F(Examples, PrintJsonToo) {
   }
 }
 
-/// "tune lqr" as the two words that they are.
+/// Splits "tune lqr" into its two words.
 std::vector<std::string> words_of(const std::string& name, std::vector<std::string> after = {}) {
   std::istringstream stream(name);
   std::vector<std::string> words;
@@ -142,8 +144,9 @@ TEST(Help, OfAFirstWordIsThatOfAllItsKinds) {
                      run_program({"help", "tune", "lqr"}).out);
   EXPECT_EQ(run_program({"tune", "--help"}).out, all);
   EXPECT_EQ(json_of({"help", "tune"})["commands"].size(), 3u);
-  EXPECT_THAT(run_program({"tune"}).err,
-              HasSubstr("quadtune tune: a word is missing, expected kalman or pid or lqr"));
+  EXPECT_THAT(
+      run_program({"tune"}).err,
+      HasSubstr("quadtune tune: the second word is missing, expected kalman or pid or lqr"));
   EXPECT_THAT(run_program({"help", "tune", "lqrr"}).err,
               HasSubstr("no command 'tune lqrr'; did you mean 'tune lqr'?"));
 }
@@ -188,7 +191,7 @@ TEST(ByteOrderMark, IsRefusedByNameInMatricesAndPassedOverInVehicles) {
   const ProgramResult result = run_program({"discretize", "--A", one, "--B", one, "--dt", "1"});
   EXPECT_EQ(result.status, 3);
   EXPECT_THAT(result.err, HasSubstr("one:1: '???1' is not a number but begins with a UTF-8 byte "
-                                    "order mark, expected the file without one"));
+                                    "order mark, expected a file without one"));
   const std::string vehicle =
       folder.write("v.toml", mark + "name = \"v\"\n[body]\nmass_kg = 0\n").string();
   EXPECT_THAT(run_program({"vehicle", "check", vehicle}).err, HasSubstr("v.toml:3: mass_kg"));
@@ -225,7 +228,7 @@ TEST(Output, LeavesDevicesAndLinksWhatTheyAre) {
     args.push_back(file);
     return run_program(args).status;
   };
-  // A pipe stands for devices: whoever runs this as root should keep his.
+  // A pipe represents devices, so that a test run as root does not damage one.
   const std::string pipe = (folder.path() / "pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const int reader = ::open(pipe.c_str(), O_RDWR | O_NONBLOCK);
@@ -279,7 +282,7 @@ TEST(Vehicle, ShowsDerivedHoverSpeed) {
   EXPECT_EQ(json_of({"vehicle", "list"})["vehicles"].size(), 4u);
 }
 
-/// The lines of a table of JSON as TOML; tables within it are left out.
+/// The lines of a JSON object as TOML; tables within it are omitted.
 std::string toml_lines(const nlohmann::ordered_json& table) {
   std::string text;
   for (const auto& [key, value] : table.items())
@@ -288,7 +291,7 @@ std::string toml_lines(const nlohmann::ordered_json& table) {
   return text;
 }
 
-/// A vehicle file with what `vehicle show --json` printed.
+/// A vehicle file with the output of `vehicle show --json`.
 std::string toml_of(const nlohmann::ordered_json& vehicle) {
   std::string text = toml_lines(vehicle);
   for (const char* table : {"environment", "body", "motor", "flight"})
@@ -306,7 +309,7 @@ std::string toml_of(const nlohmann::ordered_json& vehicle) {
   if (vehicle.contains("battery")) text += "[battery]\n" + toml_lines(vehicle["battery"]);
   for (nlohmann::ordered_json rotor : vehicle["rotors"]) {
     if (rotor.contains("Ct"))
-      rotor.erase("thrust_a2_N_s2_per_rad2");  // a file has one or the other
+      rotor.erase("thrust_a2_N_s2_per_rad2");  // a file contains one of the two
     if (rotor.contains("Cq")) rotor.erase("torque_d2_N_m_s2_per_rad2");
     text += "[[rotors]]\n" + toml_lines(rotor);
   }
@@ -321,7 +324,7 @@ TEST(Vehicle, ShowsTheKeysOfAVehicleFile) {
     const std::string text = toml_of(shown);
     nlohmann::ordered_json again =
         json_of({"vehicle", "show", folder.write("again.toml", text).string()});
-    // A file may say what another leaves open.
+    // A file may contain what another one omits.
     shown.erase("assumed");
     again.erase("assumed");
     EXPECT_EQ(again, shown) << text;
@@ -396,7 +399,7 @@ TEST_F(DesignTest, GivesTheSameBytesTwice) {
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "a")) {
       const std::string file = entry.path().filename().string();
-      // A page quotes its command, and that the directory.
+      // A page contains its command line, which contains the directory.
       std::string b = folder_.read("b/" + file);
       const std::string named = (folder_.path() / "b").string();
       for (std::size_t at = b.find(named); at != std::string::npos; at = b.find(named, at))
@@ -418,7 +421,7 @@ TEST_F(DesignTest, WritesWhatVerifies) {
   }
 }
 
-// A flipped sign flies into the ground: the file's hash and the closed loop both tell.
+// A wrong sign makes the loop unstable: both the hash of the file and the closed loop show it.
 TEST_F(DesignTest, VerifyAnswersNoToATamperedFile) {
   ASSERT_EQ(design("uquad-hover.toml", "out").status, 0);
   std::string text = folder_.read("out/K_prop_full.txt");
@@ -429,7 +432,7 @@ TEST_F(DesignTest, VerifyAnswersNoToATamperedFile) {
   EXPECT_EQ(nlohmann::json::parse(result.out)["verdict"], "fail");
 }
 
-// The manifest has no hash of its own: what it says of the trim is computed anew.
+// The manifest has no hash, so its trim is recomputed.
 TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
   ASSERT_EQ(design("uquad-hover.toml", "out").status, 0);
   const std::string text = folder_.read("out/manifest.json");
@@ -450,7 +453,8 @@ TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
               HasSubstr("FAIL the vehicle can fly the trim: uquad: no circle trim"));
 }
 
-// The report reads the export back, so the export is there before a full disk swallows the report.
+// The report reads the export back, so the export exists before writing the report to a full disk
+// fails.
 TEST_F(DesignTest, SaysThatTheExportIsThereWhenTheReportCannotBePrinted) {
   const std::string source = kSource + "/designs/uquad-hover.toml";
   const std::string to = (folder_.path() / "out").string();
@@ -458,7 +462,7 @@ TEST_F(DesignTest, SaysThatTheExportIsThereWhenTheReportCannotBePrinted) {
       {"design", source, "-o", to}, {"export", source, "--to", "json", "-o", to}};
   for (const std::vector<std::string>& command : commands) {
     std::istringstream in;
-    std::ostream full(nullptr);  // takes nothing
+    std::ostream full(nullptr);  // accepts no output
     std::ostringstream err;
     EXPECT_EQ(cli::run(command, in, full, err), 5);
     EXPECT_EQ(err.str(),
@@ -475,7 +479,7 @@ TEST_F(DesignTest, SaysThatNothingIsThereWhenNothingWasWritten) {
   EXPECT_EQ(err.str(), "standard output: could not be written\n");
 }
 
-// The second export's folder is taken by a file, when the first has been written.
+// The folder of the second export exists as a file; the first export has been written.
 TEST_F(DesignTest, NamesTheExportThatWasWrittenBeforeAnotherFailed) {
   std::ifstream file(kSource + "/designs/uquad-hover.toml");
   std::ostringstream text;
@@ -495,7 +499,7 @@ TEST_F(DesignTest, VerifyNamesTheExportsOfADirectoryThatIsNone) {
   const std::string out = (folder_.path() / "out").string();
   const ProgramResult result = run_program({"verify", out});
   EXPECT_EQ(result.status, 5);
-  EXPECT_EQ(result.err, out + ": has no manifest.json, expected one export of those in it: " + out +
+  EXPECT_EQ(result.err, out + ": has no manifest.json; expected one of the exports in it: " + out +
                             "/a, " + out + "/b\n");
 }
 

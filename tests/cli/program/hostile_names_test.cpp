@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Names of files that are not UTF-8, and exceptions that nobody expected: no verb ends by abort().
+/// File names that are not UTF-8, and unexpected exceptions: no command ends by abort().
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ using testing::TemporaryDirectory;
 
 namespace fs = std::filesystem;
 
-/// A folder whose name is not UTF-8, with copies of what the verbs read.
+/// A folder whose name is not UTF-8, with copies of the files that the commands read.
 class HostileNames : public ::testing::Test {
  protected:
   HostileNames() {
@@ -48,7 +48,7 @@ class HostileNames : public ::testing::Test {
     return (folder_ / name).string();
   }
 
-  /// Runs with --json: what is printed is JSON, and only a documented status comes.
+  /// Runs with --json: the output is JSON, and the status is a documented one.
   Json run(std::vector<std::string> args, const std::vector<int>& expected = {0}) {
     args.emplace_back("--json");
     const ProgramResult result = run_program(args);
@@ -59,7 +59,7 @@ class HostileNames : public ::testing::Test {
     return json;
   }
 
-  /// A page that was written: UTF-8, and with the name as it can be recognized.
+  /// The written page is UTF-8 and contains the name in a recognizable form.
   void expect_page(const std::string& name) {
     std::ifstream file(path(name));
     const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -102,7 +102,7 @@ TEST_F(HostileNames, FlightsAndTheirPages) {
   (void)run({"lqr", path("vehicle\xff.toml")});
 }
 
-// All flights were flown, and then neither statistics nor page were there.
+// Regression test: all flights were flown, but neither statistics nor page were written.
 TEST_F(HostileNames, Campaigns) {
   std::ofstream(path("campaign\xff.toml"))
       << "name = \"names\"\nvehicle = \"vehicle\xef\xbf\xbd.toml\"\nflights = 4\n[[design]]\ngains "
@@ -119,7 +119,7 @@ TEST_F(HostileNames, Campaigns) {
   expect_page("replay\xff.html");
 }
 
-/// Input that fails in a way that no verb knows.
+/// An input stream that fails in an unexpected way.
 class FailingInput : public std::streambuf {
   int_type underflow() override { throw std::logic_error("a library's \x1b[1m surprise \xff"); }
 };
@@ -135,7 +135,7 @@ TEST(LastHandler, TellsEveryException) {
   EXPECT_EQ(cli::run({"lqr", "--A", "-", "--B", B, "--Q", Q, "--R", R, "--json"}, in, out, err), 6);
   EXPECT_EQ(err.str(),
             "quadtune: an error in quadtune itself: a library's \\x1b[1m surprise \\xff; please "
-            "report it, with the command and its input\n");
+            "report it together with the command and its input\n");
   EXPECT_EQ(Json::parse(out.str())["error"]["code"], 6);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people type who come from other programs, and what they mistype: understood, or answered
-// with the right word before any work is done.
+// Command lines with habits of other programs or typing mistakes: they are accepted, or rejected
+// with the right suggestion before any work is done.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ TEST(Synonyms, OfControllers) {
   }
 }
 
-// "-" is where things are printed, never a file of that name.
+// "-" is standard output, never a file of that name.
 TEST(StandardOutput, IsNoFile) {
   const ProgramResult printed = run_program({"vehicle", "show", "mambo"});
   EXPECT_EQ(run_program({"vehicle", "show", "mambo", "-o", "-"}).out, printed.out);
@@ -104,21 +104,22 @@ TEST(StandardOutput, IsNoFile) {
            {"fly", "mambo", "--log", "-"},
            {"fly", "mambo", "--report", "-"},
            {"margins", "--num", "1", "--den", "1,1", "--plot", "-"}})
-    refuses(args, 2, " is -, expected a name, because what is printed goes there; ./- is a file");
+    refuses(args, 2,
+            " is -, expected a file name, because standard output is used for the printed text");
   EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 TEST(WrongWords, AreAnsweredWithTheRightOnes) {
-  refuses({"help", "a", "b", "c"}, 2, "more words came than it takes, expected: quadtune help");
+  refuses({"help", "a", "b", "c"}, 2, "too many arguments; expected: quadtune help");
   refuses({"vehicle"}, 2, "no action came, expected list, show V or check FILE");
   refuses({"fly", "mambo", "--mission", "figure8"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--mission", "figure-eight"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--wind", "5"}, 2,
-          "'5' has no direction, expected where the wind blows to [m/s], such as north=5");
+          "'5' has no direction, expected the direction the wind blows to [m/s], such as north=5");
   refuses({"fly", "mambo", "--controller", "pdi"}, 2, "cascaded-pid (or pid)");
 }
 
-// None of them waits for a design, or for a file that is not there.
+// None of them first computes a design or reads a missing file.
 TEST(WrongWords, AreToldBeforeAnyWork) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
       {{"--sensors", "idel"}, "--sensors is 'idel', expected ideal or real"},
@@ -157,7 +158,7 @@ TEST(MissingFiles, SayWhatWasLookedForAndWhatIsThere) {
   refuses({"lqr", (folder.path() / "none" / "v.toml").string()}, 5, "there is no folder");
 }
 
-// A note of a vehicle that is read several times, say.
+// For example a note about a vehicle that is read several times.
 TEST(Notes, ComeOnce) {
   const TemporaryDirectory folder;
   const ProgramResult result =

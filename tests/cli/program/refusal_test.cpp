@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the mutated inputs of tests/mutations brought to light.
+/// Errors that the mutated inputs of tests/mutations revealed.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -48,7 +48,7 @@ C = [[1]]
 variance = 1
 )";
 
-/// A no before there is an answer: one line, one object, no file.
+/// A negative answer before there is a result: one line, one object, no file.
 void expect_refusal(const TemporaryDirectory& folder, std::vector<std::string> args,
                     const std::string& why) {
   const std::string file = (folder.path() / "answer").string();
@@ -97,7 +97,7 @@ TEST(Refusal, OfAFilterWhoseTuningDidNotPass) {
   expect_refusal(folder, {"export", design, "--to", "json"}, why);
 }
 
-// Ceres told of line searches that end at once, on the error stream of the process, past --quiet.
+// Ceres wrote messages about its line search to the error stream, even with --quiet.
 TEST(Libraries, PrintNothing) {
   const TemporaryDirectory folder;
   for (const testing::LogSample& sample : testing::log_samples()) {

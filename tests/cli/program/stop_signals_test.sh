@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Whatever the program waits for or computes, a signal at any moment ends it with `interrupted` and
-# status 130, one line and, where asked for, one JSON object; nothing is left half written.
+# A signal at any moment ends the program with `interrupted` and
+# status 130, one line and, with --json, one JSON object; no partial files are left.
 # usage: stop_signals_test.sh PROGRAM
 set -uo pipefail
 program=$1
@@ -11,7 +11,7 @@ trap '[ -z "$waiting" ] || kill "$waiting"; rm -rf "$work"' EXIT
 cd "$work" || exit 1
 RANDOM=1
 
-# Pipes that stay open and in which nothing comes.
+# Pipes that stay open without data.
 mkfifo silent named.toml named.csv full
 sleep 1000 >silent 2>/dev/null &
 waiting=$!
@@ -28,7 +28,7 @@ printf '1 0\n0 1\n' >R
 awk 'BEGIN { print "t_s,gx[rad/s]"; srand(3)
   for (i = 0; i < 400000; i++) printf "%.3f,%.5f\n", i * 0.005, rand() }' >long.csv
 
-# The signals are caught and the process is no copy of this shell any more.
+# The signals are caught, and the process is no longer a copy of this shell.
 is_ready() {
   [ "$(cat "/proc/$1/comm" 2>/dev/null)" = quadtune ] || return 1
   local caught
@@ -42,8 +42,8 @@ fail() {
   failures=$((failures + 1))
 }
 
-# stops NAME STDIN ARGS...: starts the program, sends it a signal at a random moment, and judges.
-# What ends by itself before is no failure, but then it has to end with 0, 1 or 4.
+# stops NAME STDIN ARGS...: starts the program, sends it a signal at a random moment, and checks the result.
+# A program that ends before the signal must end with 0, 1 or 4.
 stops() {
   local name=$1 stdin=$2 signal pid guard status
   shift 2
@@ -92,7 +92,7 @@ for ((i = 0; i < repeats; i++)); do
   stops compute /dev/null lqr mambo --schedule "speed=0:0.5:10, yaw_rate=-2:0.1:2" --json
 done
 
-# A reader that reads nothing: standard output is full.
+# A reader that reads nothing, so that standard output is full.
 # shellcheck disable=SC2217
 sleep 1000 <full &
 reader=$!
@@ -107,7 +107,7 @@ kill $reader
 [ $status = 130 ] || fail "a full pipe: status $status"
 [ "$(tail -n 1 err.txt)" = interrupted ] || fail "a full pipe: $(cat err.txt)"
 
-# A campaign's folder has nothing half written, and the campaign goes on.
+# The folder of a campaign has no partial files, and the campaign can be continued.
 cat >campaign.toml <<'TOML'
 name = "stopped"
 vehicle = "mambo"

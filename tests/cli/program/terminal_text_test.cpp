@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What reaches a terminal: errors of one short line, no escapes, tables that fit.
+/// Output on a terminal: errors of one short line, no escapes, tables that fit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,11 +34,11 @@ using ::testing::StartsWith;
 
 TEST(ErrorLine, KeepsThePlaceAndTheExpectation) {
   const std::string line =
-      error_line("x.toml:3: '" + std::string(200000, 'a') + "' came, expected a number");
-  EXPECT_LE(line.size(), kLongestError);
+      error_line("x.toml:3: '" + std::string(200000, 'a') + "' is invalid; expected a number");
+  EXPECT_LE(line.size(), kMaxError);
   EXPECT_THAT(line, StartsWith("x.toml:3: 'aaaa"));
   EXPECT_THAT(line, HasSubstr(" ... "));
-  EXPECT_THAT(line, EndsWith("aaaa' came, expected a number"));
+  EXPECT_THAT(line, EndsWith("aaaa' is invalid; expected a number"));
   EXPECT_EQ(error_line("a\nb\x1b[1m"), "a b\\x1b[1m");
   // Characters of two bytes are not cut.
   std::string wide;
@@ -46,7 +46,7 @@ TEST(ErrorLine, KeepsThePlaceAndTheExpectation) {
   EXPECT_EQ(internal::valid_utf8(error_line("a" + wide)), error_line("a" + wide));
 }
 
-// 200 kB of argument came back as 200 kB of error.
+// Regression test: an argument of 200 kB gave an error of 200 kB.
 TEST(ErrorLine, IsShortWhateverComes) {
   const std::string huge(200000, 'x');
   for (const std::vector<std::string>& args :
@@ -72,9 +72,9 @@ TEST(ErrorLine, IsShortWhateverComes) {
     with_json.emplace_back("--json");
     const ProgramResult result = run_program(with_json);
     EXPECT_NE(result.status, 0);
-    EXPECT_LE(result.err.size(), kLongestError + 1) << args[0].substr(0, 20);
+    EXPECT_LE(result.err.size(), kMaxError + 1) << args[0].substr(0, 20);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
-    EXPECT_LE(result.out.size(), 2 * kLongestError + 100);
+    EXPECT_LE(result.out.size(), 2 * kMaxError + 100);
   }
 }
 
@@ -141,7 +141,7 @@ TEST(Folded, WrapsBelowTheTextOfAHeading) {
   EXPECT_EQ(folded(std::string(30, 'x') + " y\n", 10), std::string(30, 'x') + "\n  y\n");
 }
 
-// Every verb that prints a table, in the narrowest usual terminal.
+// Every command that prints a table, in a terminal of the smallest common width.
 TEST(Folded, EveryTableFitsAtEightyColumns) {
   if (quadtune::testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::vector<std::string>& args : std::vector<std::vector<std::string>>{
@@ -169,7 +169,7 @@ TEST(Folded, EveryTableFitsAtEightyColumns) {
       });
       EXPECT_LE(characters, 80) << line;
     }
-    // Nothing is lost: every word is there as often or, of names of rows, more often.
+    // Nothing is lost: every word occurs as often as before or, for names of rows, more often.
     std::istringstream words(wide);
     for (std::string word; words >> word;) EXPECT_THAT(narrow, HasSubstr(word)) << args[0];
   }
@@ -190,7 +190,7 @@ TEST(Completion, ReadsTheWordsOfADescription) {
   EXPECT_THAT(listed_words("uquad, mambo or json"), ElementsAre("uquad", "mambo", "json"));
   EXPECT_THAT(listed_words("optical flow: full (default), simplified or off"),
               ElementsAre("full", "simplified", "off"));
-  EXPECT_THAT(listed_words("ideal, or real (default): as the vehicle's are"),
+  EXPECT_THAT(listed_words("ideal, or real (default): the sensors of the vehicle file"),
               ElementsAre("ideal", "real"));
   EXPECT_THAT(listed_words("calm (default), light, or a list: north=3,gust_east=2"),
               ElementsAre("calm", "light"));
@@ -211,7 +211,7 @@ TEST(Completion, OffersWhatIsBuiltInAndTheValuesOfOptions) {
   EXPECT_THAT(fly, HasSubstr("--wind) values=\"calm light moderate severe\""));
 }
 
-// What bash itself makes of the script.
+// The script run by bash itself.
 TEST(Completion, WorksInBash) {
   const TemporaryDirectory folder;
   folder.write("my quad.toml", "");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every file that one command writes, given to every command that takes its kind; and to those that
-// do not, which say who does.
+// Every file that a command writes is given to every command that reads its kind; and to commands
+// that do not, which name those that do.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -22,7 +22,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using SortedJson = nlohmann::json;
 
-// A vehicle of one's own: no built-in name, and no layout that the Mambo's model project takes.
+// A vehicle of the user: no built-in name, and a layout that the Mambo's model project does not
+// support.
 constexpr char kOwn[] = R"(
 name = "own"
 [body]
@@ -50,7 +51,7 @@ position_m = [0, -0.2, 0]
 spin = "ccw"
 )";
 
-/// What was written: where it lies, and which laws it holds.
+/// A written file: its path, and the laws that it contains.
 struct Written {
   std::string path;
   std::string vehicle;  ///< for V
@@ -84,7 +85,7 @@ class WrittenFiles : public ::testing::Test {
     ASSERT_EQ(result.status, status) << ::testing::PrintToString(args) << result.err << result.out;
   }
 
-  /// Everything that holds control laws, by every command that writes such.
+  /// All files with control laws, written by every command that writes such files.
   static const std::map<std::string, Written>& all() {
     static const std::map<std::string, Written> files = [] {
       std::map<std::string, Written> written;
@@ -103,7 +104,7 @@ class WrittenFiles : public ::testing::Test {
                           const std::string& file) {
       std::vector<std::string> args = {"tune", kind, vehicle, "-o", path(file)};
       args.insert(args.end(), quick.begin(), quick.end());
-      (void)run_program(args);  // two designs need not be better
+      (void)run_program(args);  // some of the designs may be rejected
       ASSERT_TRUE(std::filesystem::exists(path(file))) << file;
     };
     made({"design", testing::source_folder() + "/designs/uquad-hover.toml", "-o", path("uquad"),
@@ -146,8 +147,8 @@ class WrittenFiles : public ::testing::Test {
     files["K_prop_full.txt"] = {path("uquad/K_prop_full.txt"), "uquad", true, false};
   }
 
-  /// Runs a command on each file: `takes` says with which it works. The others are refused, with
-  /// what they are.
+  /// Runs a command on each file: `takes` selects the files that it accepts. The others are
+  /// rejected with a message that names their kind.
   static void each(const std::function<bool(const Written&)>& takes,
                    const std::function<std::vector<std::string>(const Written&)>& command,
                    const std::vector<int>& done = {0}) {
@@ -174,7 +175,8 @@ class WrittenFiles : public ::testing::Test {
 constexpr auto kAny = [](const Written&) { return true; };
 
 TEST_F(WrittenFiles, Fly) {
-  // The state feedbacks with unit weights may break the mission's limits; that is an answer.
+  // The state feedbacks with unit weights may exceed the limits of the mission, which is also a
+  // valid answer.
   each(kAny,
        [](const Written& file) -> std::vector<std::string> {
          return {"fly",        file.vehicle, "--gains",   file.path, "--mission", "hover",
@@ -211,7 +213,7 @@ TEST_F(WrittenFiles, DiffWithItself) {
   }
 }
 
-// What is exported from a file, and what it was made from, are the same law.
+// An export and its source contain the same law.
 TEST_F(WrittenFiles, DiffWithWhatItWasMadeFrom) {
   for (const auto& [from, to] :
        {std::pair("design: uquad", "export: gains"), std::pair("design: mambo", "export: both"),
@@ -298,13 +300,13 @@ TEST_F(WrittenFiles, FlyInACampaign) {
   }
 }
 
-// The text that is printed is no file of gains: the message says how to have one.
+// The printed text is not a file of gains: the message states how to write one.
 TEST_F(WrittenFiles, TextIsToldFromWhatCanBeReadBack) {
   const std::string text = path("gains.txt");
   made({"lqr", "mambo", "-o", text});
   const ProgramResult result = run_program({"fly", "mambo", "--gains", text});
   EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("gains.txt: is no file of gains"), HasSubstr("--json"),
+  EXPECT_THAT(result.err, AllOf(HasSubstr("gains.txt: is not a gain file"), HasSubstr("--json"),
                                 HasSubstr(".json")));
 }
 
@@ -329,7 +331,7 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
       {{"margins", "mambo", "--gains", schedule},
        "this is a gain schedule; it is read by: quadtune fly --gains"},
       {{"fly", "mambo", "--gains", flown}, "this is a flight log; it is read by: quadtune log"},
-      {{"verify", text}, "is no directory, expected that of an export"},
+      {{"verify", text}, "is not a directory; expected that of an export"},
       {{"verify", path("lqr.json")},
        "this is a file of gains; it is read by: quadtune fly "
        "--gains"},
@@ -343,7 +345,7 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
     EXPECT_THAT(result.err, HasSubstr(words)) << ::testing::PrintToString(args);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   }
-  // Nothing is said of a file of the right kind that has a mistake.
+  // No such message for a file of the right kind with an error in it.
   const std::string broken = write("broken.toml", std::string(kOwn) + "\noops = 1\n");
   EXPECT_THAT(run_program({"fly", broken}).err, ::testing::Not(HasSubstr("this is a")));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls something of every installed library, and checks what comes back: matrices that the library
-// allocated and this program frees, and structs of fixed-size matrices, whose layout both must
-// share.
+// Calls a function of every installed library and checks the result: matrices that the library
+// allocates and this program frees, and structs of fixed-size matrices, whose layout must be the
+// same in both.
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -36,7 +36,7 @@ void check_lib() {
   expect(inputs.isIdentity(0) && inputs.rows() == 6, "six rotor speeds");
 }
 
-// What MAT files need is a library that the installed ones load from beside them.
+// MAT files need a library that the installed ones load from their folder.
 void check_mat_files() {
   quadtune::LogTable log;
   log.columns = {{"t", "s", {0, 0.5}}, {"x", "m", {1, -2}}};
@@ -82,7 +82,8 @@ void check_exports() {
          "SHA-256");
 }
 
-// Half a second of flight from the one-call interface, with a struct of options that both lay out.
+// Half a second of flight by a single call, with a struct of options whose layout must be the same
+// in both.
 void check_workbench() {
   quadtune::FlightOptions options;
   options.duration = 0.5;

@@ -124,7 +124,7 @@ TEST(CascadedPid, TakesOffWithConstantThrust) {
   EXPECT_LT(state.loops[index_of(CascadeAxis::roll)].integral, 0);
 }
 
-TEST(CascadedPid, FollowsAnAttitudeWhereItIsAskedFor) {
+TEST(CascadedPid, FollowsAnAttitudeReference) {
   CascadedPidState<double> state;
   Estimate<double> estimate;
   Reference<double> reference;

@@ -88,7 +88,7 @@ TEST(FeedbackMemory, IsItsFormula) {
       const auto u = step(law, state, estimate, reference);
       EXPECT_THAT(VectorXd(u.head(4)), MatrixNear(expected, 1e-12)) << past << " " << k;
       const VectorXd made = 0.8 * expected;
-      carried_out(law, state, u, input(made));
+      on_realized(law, state, u, input(made));
       const VectorXd arrives = past > 0 ? commands.back() : made;
       for (int i = 0; i < 4; ++i)
         m(i) += (1 - std::exp(-gains.dt / gains.memory->lag(i))) * (arrives(i) - m(i));
@@ -164,16 +164,16 @@ TEST(FeedbackMemory, DoesNotIntegrateIntoALimit) {
   below.x(2) = 1;
   above.x(2) = -1;
   Reference<double> ground;
-  const double most = 0.65;
+  const double max = 0.65;
   double thrust = 0;
   for (int k = 0; k < 1000; ++k) {
     const auto u = step(law, state, below, ground);
     thrust = u(0);
     auto made = u;
-    made(0) = std::min(made(0), most);
-    carried_out(law, state, u, made);
+    made(0) = std::min(made(0), max);
+    on_realized(law, state, u, made);
   }
-  EXPECT_NEAR(thrust, most, 0.02);
+  EXPECT_NEAR(thrust, max, 0.02);
   const auto u = step(law, state, above, ground);
   EXPECT_LT(u(0), thrust);
 }
@@ -196,17 +196,17 @@ TEST(FeedbackMemory, DoesNotIntegrateIntoALimitAtAnyHeading) {
     Reference<double> north;
     north.yaw = yaw;
     north.position = {1, 0, 0};
-    const double most = 0.01;
+    const double max = 0.01;
     Eigen::Vector2d torque;
     for (int k = 0; k < 2000; ++k) {
       const auto u = step(law, state, here, north);
       torque = u.segment<2>(1);
       auto made = u;
-      made.segment<2>(1) = torque.cwiseMax(-most).cwiseMin(most);
-      carried_out(law, state, u, made);
+      made.segment<2>(1) = torque.cwiseMax(-max).cwiseMin(max);
+      on_realized(law, state, u, made);
     }
-    EXPECT_LT(torque.cwiseAbs().maxCoeff(), most + 0.002) << yaw;
-    EXPECT_GT(torque.cwiseAbs().maxCoeff(), 0.99 * most) << yaw;
+    EXPECT_LT(torque.cwiseAbs().maxCoeff(), max + 0.002) << yaw;
+    EXPECT_GT(torque.cwiseAbs().maxCoeff(), 0.99 * max) << yaw;
   }
 }
 

@@ -84,13 +84,13 @@ TEST(GainSchedule, DoesNotExtrapolate) {
                                     Eigen::Vector2d(1, 1.01), Eigen::Vector2d(kNan, 0)}) {
     const ScheduledGain gain = schedule.at(at);
     EXPECT_EQ(gain.status, LookupStatus::outside) << at.transpose();
-    EXPECT_THAT(gain.culprit, HasSubstr("the grid reaches from"));
+    EXPECT_THAT(gain.culprit, HasSubstr("outside the grid's range from"));
     EXPECT_EQ(gain.K.size(), 0);
   }
   EXPECT_TRUE(schedule.at(Eigen::Vector2d(4 * (1 + 1e-12), 1)).found()) << "rounding";
 }
 
-TEST(GainSchedule, RefusesBesideAPointWithoutAGain) {
+TEST(GainSchedule, RejectsCellsWithAnUnsolvedPoint) {
   GainSchedule schedule = bilinear();
   schedule.status[2] = PointStatus::no_trim;  // speed 1, yaw rate -1
   schedule.culprit[2] = "too heavy";
@@ -117,10 +117,10 @@ TEST(GainSchedule, AnAxisOfOneValueHoldsThere) {
 
 TEST(GainSchedule, RefusesAnotherNumberOfValues) {
   EXPECT_THAT([] { (void)bilinear().at(Eigen::VectorXd::Zero(1)); },
-              ThrowsMessage<InvalidInput>(HasSubstr("1 values came, expected 2")));
+              ThrowsMessage<InvalidInput>(HasSubstr("got 1 values, expected 2")));
 }
 
-TEST(GainSchedule, RefusesGridsThatAreNone) {
+TEST(GainSchedule, RejectsInvalidGrids) {
   const auto refuses = [](const std::vector<ScheduleAxis>& axes, const std::string& why) {
     EXPECT_THAT([&] { (void)checked_grid_size(axes, "here"); },
                 ThrowsMessage<InvalidInput>(HasSubstr(why)));
@@ -134,7 +134,7 @@ TEST(GainSchedule, RefusesGridsThatAreNone) {
   refuses({{speed, {-1}}}, "speed has -1 m/s");
   refuses({{ScheduleQuantity::mass, {0}}}, "mass has 0, expected more than 0");
   refuses({{ScheduleQuantity::density, {-0.5, 1}}}, "density has -0.5");
-  refuses({{speed, {1}}, {speed, {2}}}, "speed came twice");
+  refuses({{speed, {1}}, {speed, {2}}}, "speed is given twice");
   std::vector<double> many;
   many.reserve(400);
   for (int i = 0; i < 400; ++i) many.push_back(i);

@@ -16,7 +16,7 @@ using ::testing::ThrowsMessage;
 // The uquad program's limits of the height: enabled within 2 m, 2.5e-3 m s a sample, 2 m s in all.
 constexpr GuardedIntegralSettings<double> kHeight = {0.01, 2, 2.5e-3, 2};
 
-TEST(GuardedIntegral, StandsFarFromTheSetPoint) {
+TEST(GuardedIntegral, IsFrozenFarFromTheSetPoint) {
   for (const double sign : {1.0, -1.0}) {
     GuardedIntegralState<double> state = {0.5};
     EXPECT_EQ(step(kHeight, state, sign * 2.0001), 0.5);
@@ -57,7 +57,7 @@ TEST(GuardedIntegral, IgnoresAnErrorThatIsNoNumber) {
   static_assert(noexcept(step(settings, state, 0.0F)));
 }
 
-TEST(GuardedIntegral, RefusesLimitsThatAreNone) {
+TEST(GuardedIntegral, RejectsInvalidLimits) {
   EXPECT_NO_THROW(validate(kHeight, "here"));
   GuardedIntegralSettings<double> settings = kHeight;
   settings.increment_limit = -1;

@@ -35,12 +35,12 @@ struct Case {
   // How far a rotor is outside its limits for this wrench [N].
   [[nodiscard]] double beyond(const Vector4d& wrench) const {
     const RotorSpeeds<double> thrusts = thrusts_of_wrench<double>(law, wrench);
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < law.rotors; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      most = std::max({most, limits.least[k] - thrusts(i), thrusts(i) - limits.greatest[k]});
+      max = std::max({max, limits.min[k] - thrusts(i), thrusts(i) - limits.max[k]});
     }
-    return most;
+    return max;
   }
 };
 
@@ -51,10 +51,10 @@ std::vector<Case> cases() {
   for (const int rotors : {4, 6, 8})
     for (int trial = 0; trial < 3; ++trial) {
       Vehicle vehicle = random_vehicle(random, rotors);
-      // Twice the weight at full speed, nothing at the least.
+      // Twice the weight at maximum speed, zero at minimum speed.
       vehicle.motor.min = 0;
-      vehicle.motor.max = vehicle.motor.max *
-                          std::sqrt(2 * vehicle.mass * vehicle.gravity / greatest_thrust(vehicle));
+      vehicle.motor.max =
+          vehicle.motor.max * std::sqrt(2 * vehicle.mass * vehicle.gravity / max_thrust(vehicle));
       try {
         all.emplace_back(vehicle);
       } catch (const InvalidInput&) {
@@ -94,8 +94,8 @@ double greatest_share(const Case& of, const Vector4d& asked) {
       const auto k = static_cast<std::size_t>(i);
       const double at_zero =
           thrusts_of_wrench<double>(of.law, Vector4d(0, share * asked(1), share * asked(2), 0))(i);
-      low = std::max(low, (of.limits.least[k] - at_zero) / of.law.P(i, 0));
-      high = std::min(high, (of.limits.greatest[k] - at_zero) / of.law.P(i, 0));
+      low = std::max(low, (of.limits.min[k] - at_zero) / of.law.P(i, 0));
+      high = std::min(high, (of.limits.max[k] - at_zero) / of.law.P(i, 0));
     }
     return low <= high;
   };
@@ -128,7 +128,7 @@ TEST(LimitedAllocation, GivesUpYawThenThrustThenRollAndPitch) {
         const Vector4d nearer(made(0) + step, made(1), made(2), 0);
         EXPECT_TRUE(of.beyond(nearer) > 0 || nearer(0) < of.limits.floor) << of.vehicle.name;
       }
-      // Some yaw torque was given up only where a rotor stands at its limit.
+      // Yaw torque is reduced only if a rotor is at its limit.
       if (std::abs(made(3)) < std::abs(asked(3)) * (1 - 1e-6)) {
         const Vector4d more(made(0), made(1), made(2), made(3) + 1e-4 * asked(3));
         EXPECT_GT(of.beyond(more), -1e-12 * of.weight);
@@ -146,17 +146,17 @@ TEST(LimitedAllocation, KeepsTheTorqueOfALawThatAsksForNoThrust) {
   const Vector4d made = prioritized<double>(of.law, of.limits, asked).wrench;
   EXPECT_NEAR(made(1), torque, 1e-12);
   EXPECT_NEAR(made(2), 0, 1e-12);
-  // Two rotors at their least, two as far above it as the torque needs: 4 t_min + τ/arm.
+  // Two rotors at their minimum, two above it as the torque requires: 4 t_min + τ/arm.
   const double arm = of.vehicle.rotors[1].position.y();
-  EXPECT_NEAR(made(0), std::max(of.limits.floor, 4 * of.limits.least[0] + torque / arm), 1e-9);
+  EXPECT_NEAR(made(0), std::max(of.limits.floor, 4 * of.limits.min[0] + torque / arm), 1e-9);
   const Vector4d cut = clipped<double>(of.law, of.limits, asked).wrench;
   EXPECT_LT(cut(1), 0.6 * torque);
   // And a thrust of 0 alone is raised to the floor.
   EXPECT_NEAR(prioritized<double>(of.law, of.limits, Vector4d(0, 0, 0, 0)).wrench(0),
-              kLeastCollective * of.weight, 1e-12);
+              kMinCollective * of.weight, 1e-12);
 }
 
-TEST(LimitedAllocation, MakesANumberOfWhatIsNone) {
+TEST(LimitedAllocation, ReturnsFiniteNumbersForEntriesThatAreNotFinite) {
   const Case of(load_vehicle("mambo"));
   for (const double bad : {kNaN, kInfinity, -kInfinity})
     for (int i = 0; i < 4; ++i) {
@@ -181,8 +181,8 @@ TEST(LimitedAllocation, IsTheSameInEveryLane) {
   law.wrench0 = of.law.wrench0.cast<P>();
   law.thrust0 = of.law.thrust0.cast<P>();
   for (std::size_t k = 0; k < 4; ++k) {
-    limits.least[k] = of.limits.least[k];
-    limits.greatest[k] = of.limits.greatest[k];
+    limits.min[k] = of.limits.min[k];
+    limits.max[k] = of.limits.max[k];
   }
   limits.floor = of.limits.floor;
   std::array<Vector4d, kPackLanes> asked;

@@ -71,7 +71,7 @@ TEST(OnBoardAllocation, MeetsTheWrench) {
   }
 }
 
-// Of more than four rotors the thrusts of least sum of squares: orthogonal to what changes nothing.
+// More than four rotors: the thrusts have the least sum of squares, orthogonal to the null space.
 TEST(OnBoardAllocation, SharesByLeastNorm) {
   std::mt19937_64 random(3);
   const Vehicle vehicle = random_vehicle(random, 8);
@@ -107,11 +107,12 @@ TEST(OnBoardAllocation, RefusesRotorsThatCannot) {
   Vehicle three = plus_quadrotor();
   three.rotors.pop_back();
   EXPECT_THAT([&] { (void)allocation(three); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the rotors cannot make every wrench")));
+              ThrowsMessage<InvalidInput>(HasSubstr("the rotors cannot produce every wrench")));
   Vehicle aside = plus_quadrotor();
   for (Rotor& rotor : aside.rotors) rotor.position.x() += 1;
-  EXPECT_THAT([&] { (void)allocation(aside); },
-              ThrowsMessage<InvalidInput>(HasSubstr("hover needs a rotor that pulls down")));
+  EXPECT_THAT(
+      [&] { (void)allocation(aside); },
+      ThrowsMessage<InvalidInput>(HasSubstr("hover requires negative thrust from a rotor")));
   Vehicle many = plus_quadrotor();
   many.rotors.resize(17, many.rotors[0]);
   EXPECT_THAT([&] { (void)allocation(many); },

@@ -253,7 +253,7 @@ TEST(Pid, LimitsItsIntegralOnBothSides) {
   EXPECT_EQ(step(settings, state, {1, 0}).value, -0.5 + 0.03);
 }
 
-TEST(Pid, LimitsItsOutputAndTellsWhatItWouldBe) {
+TEST(Pid, LimitsItsOutputAndReportsTheUnlimitedOne) {
   PidSettings<double> settings;
   settings.dt = 0.01;
   settings.Kp = 10;
@@ -355,15 +355,15 @@ TEST(PidSettings, AreRefusedWithTheirReason) {
   EXPECT_THAT(refusal([](auto& s) { s.b = kNaN; }), HasSubstr("b is nan"));
   EXPECT_THAT(refusal([](auto& s) { s.output_min = kNaN; }), HasSubstr("output_min is nan"));
   EXPECT_THAT(refusal([](auto& s) { s.integral_max = -1, s.integral_min = 1; }),
-              StrEq("here: integral_min is 1 and integral_max -1, expected the first to be no "
-                    "larger because they are limits"));
+              StrEq("here: integral_min is 1 and integral_max -1, expected the minimum not to "
+                    "exceed the maximum"));
   EXPECT_THAT(refusal([](auto& s) { s.back_calculation = 101; }),
               HasSubstr("back_calculation is 101 1/s, expected 0 to 1/dt = 100"));
   EXPECT_THAT(refusal([](auto& s) { s.Tf = 0.005; }),
-              StrEq("here: Tf is 0.005 s, expected more than dt/2 = 0.005 s because forward Euler "
-                    "makes the filter unstable otherwise"));
+              StrEq("here: Tf is 0.005 s, expected more than dt/2 = 0.005 s because otherwise "
+                    "forward Euler makes the filter unstable"));
   EXPECT_THAT(refusal([](auto& s) { s.Tf = 0, s.method = PidMethod::tustin; }),
-              HasSubstr("ring for ever"));
+              HasSubstr("rings forever"));
   EXPECT_THAT(refusal([](auto& s) { s.Tf = 0, s.method = PidMethod::backward_euler; }),
               StrEq("accepted"));
   EXPECT_THAT(refusal([](auto& s) { s.Tf = -1, s.method = PidMethod::backward_euler; }),

@@ -102,7 +102,7 @@ TEST(StateFeedbackLaw, FollowsTheVelocityOfTheReference) {
   EXPECT_EQ(sp(5), 0.8);
 }
 
-TEST(StateFeedbackLaw, HoldsAnAttitudeWhereItIsAskedFor) {
+TEST(StateFeedbackLaw, HoldsAnAttitudeReference) {
   std::mt19937_64 random(3);
   const Gains gains = random_gains(random, "ned", InputKind::wrench, kLaws[0], 0);
   const StateFeedbackSettings<double> law =
@@ -200,13 +200,13 @@ TEST(StateFeedbackLaw, RefusesGainsOfAnother) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refusal(good, 0.02,
-          "gains: their sample period is 0.01 s, expected 0.02 s, at which the law shall run");
+          "gains: the sample period is 0.01 s, expected 0.02 s, the control period of the law");
   Gains gains = good;
   gains.states[3].name = "bank";
-  refusal(gains, 0.01, "gains: no state 'bank' in their convention, expected px py pz");
+  refusal(gains, 0.01, "gains: no state 'bank' in the convention, expected px py pz");
   gains = good;
   gains.integrals[0].name = "height";
-  refusal(gains, 0.01, "gains: no state 'height' in their convention");
+  refusal(gains, 0.01, "gains: no state 'height' in the convention");
   gains = good;
   gains.K = MatrixXd::Zero(3, 12);
   gains.K_int = MatrixXd::Zero(3, 1);

@@ -36,20 +36,20 @@ TEST(ComplementaryFilter, ReadsTiltAndYawBack) {
     const double roll = any_angle(random);
     const double pitch = any_angle(random) / 2;
     const double yaw = any_angle(random);
-    const Tilt<double> tilt = tilt_of_force<double>(force_at_rest(roll, pitch));
+    const Tilt<double> tilt = tilt_from_force<double>(force_at_rest(roll, pitch));
     EXPECT_NEAR(tilt.roll, roll, 1e-13);
     EXPECT_NEAR(tilt.pitch, pitch, 1e-13);
     const double declination = 0.2;
     const Vector3d world(20 * std::cos(declination), 20 * std::sin(declination), 43);
     const Vector3d field = rotation_of_euler(roll, pitch, yaw).transpose() * world;
-    EXPECT_NEAR(wrapped(yaw_of_field(field, tilt, declination) - yaw), 0, 1e-13);
+    EXPECT_NEAR(wrap_angle(yaw_from_field(field, tilt, declination) - yaw), 0, 1e-13);
   }
 }
 
 TEST(ComplementaryFilter, TakesWholeTurnsOff) {
   for (const double angle : {-3.1, -1.0, 0.0, 0.5, 3.1})
     for (const int turns : {-3, 0, 7})
-      EXPECT_NEAR(wrapped(angle + 2 * std::numbers::pi * turns), angle, 1e-14);
+      EXPECT_NEAR(wrap_angle(angle + 2 * std::numbers::pi * turns), angle, 1e-14);
 }
 
 // A step of tilt: the error decays by τ/(τ + dt) a sample, that is e^(-t/τ) but for O(dt).
@@ -255,7 +255,7 @@ TEST(ComplementaryFilter, RefusesWhatCannotRun) {
           "force_band is 0, expected more than 0 because it divides");
   refused([](Settings& s) { s.bias_time_constant = 3; },
           "bias_time_constant is 3 s, expected at least 4 times the time constant of 1 s because "
-          "the two swing together otherwise");
+          "the two otherwise oscillate against each other");
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ TEST(FilterFile, RefusesWhatNonlinearFiltersDoNotLookAt) {
   text.insert(at, "D = [[1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]\n");
   EXPECT_THAT([&] { (void)parse_filter_model(text, "m.toml"); },
               ThrowsMessage<InvalidInput>(::testing::HasSubstr(
-                  "D came, expected none because the dynamics are 'inertial'")));
+                  "D is given, expected no such key because the dynamics are 'inertial'")));
 }
 
 TEST(FilterFile, RefusesWhatItCannotRead) {
@@ -137,10 +137,10 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
           "m.toml:17: kind in [[R]] 1 is 'ful', expected 'separate' or 'shared' or 'full' or "
           "'fixed'");
   refused(kHead + kSensor + R + "entries = ['z']\n",
-          "m.toml:17: 'z' in entries of [[R]] 1 is none, expected one of x, y");
+          "m.toml:17: 'z' in entries of [[R]] 1 is unknown, expected one of x, y");
   refused(kHead + kSensor + R + "parameter = 'R'\n",
-          "m.toml:17: parameter in [[R]] 1 names one of 2, expected kind = \"shared\", or a "
-          "table for each entry");
+          "m.toml:17: parameter in [[R]] 1 names one parameter for 2 entries, expected kind = "
+          "\"shared\", or a table for each entry");
   refused(kHead + kSensor + "[[sensors.R]]\nvariance = 0\n",
           "m.toml:16: variance in [[R]] 1 is 0, expected more than 0");
   refused(kHead + kSensor + "[[sensors.R]]\nvariance = [1, 2, 3]\n",
@@ -149,8 +149,9 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
           "m.toml: R of sensor 'camera' is not positive definite at the start, "
           "expected every measurement to have some noise");
   refused(kHead, "m.toml: the model has no sensors, expected at least one");
-  refused("name = 'a'\nstates = ['x m]']\n",
-          "m.toml:2: 'x m]' came, expected a name and, in brackets, its unit, as in 'vz [m/s]'");
+  refused(
+      "name = 'a'\nstates = ['x m]']\n",
+      "m.toml:2: 'x m]' is invalid, expected a name and, in brackets, its unit, as in 'vz [m/s]'");
   refused("name = 'a'\nstates = ['x']\nA = [[1, 2]]\n", "m.toml:3: A is 1x2, expected 1x1");
   EXPECT_THAT([] { (void)load_filter_model("altitud"); },
               ThrowsMessage<InvalidInput>(StrEq(

@@ -935,7 +935,7 @@ TEST(GeneralFilter, RefusesWhatCannotRun) {
           "flow.variance is nan rad2/s2, expected a positive number");
   refusal([](auto& s) { s.gyroscope.lag = 0.1; },
           "gyroscope.lag is 0.1 s, expected 0 to 16 control periods of 0.005 s");
-  refusal([](auto& s) { s.range->greatest = 0; },
+  refusal([](auto& s) { s.range->max = 0; },
           "range.least is 0.03 m and range.greatest 0 m, expected 0 or more and the first to be "
           "smaller");
   refusal(

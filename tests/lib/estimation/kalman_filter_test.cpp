@@ -260,7 +260,7 @@ TEST(KalmanFilter, LanesDoNotDependOnEachOther) {
       update(state, Eigen::Matrix<T, 1, 2>(T(1), T(0)), one, T(0.1), mask, T(6));
       update(state, Eigen::Matrix<T, 2, 2>(Eigen::Matrix<T, 2, 2>::Identity()), two,
              Eigen::Matrix<T, 2, 2>(Eigen::Matrix<T, 2, 2>::Identity() * T(5)), mask);
-      update(state, SparseRow<T, 1>{{1}, {T(1)}}, one, T(3), negated(mask));
+      update(state, SparseRow<T, 1>{{1}, {T(1)}}, one, T(3), logical_not(mask));
     };
     both_of(together, u, y, yy, fresh, Pack<4>());
     for (int i = 0; i < 4; ++i) {

@@ -125,10 +125,10 @@ TEST_F(LogSignals, OfAFlightLogAreWhatTheFlightProgramMakesOfThem) {
 TEST_F(LogSignals, OfAFlightLogAreNotGuessed) {
   EXPECT_THAT(
       [&] { (void)read("local-level", kFlight); },
-      ThrowsMessage<InvalidInput>(HasSubstr("this flight log has nothing for y of the model "
+      ThrowsMessage<InvalidInput>(HasSubstr("this flight log has no channel for y of the model "
                                             "'local-level', expected --map y=CHANNEL")));
   EXPECT_THAT([&] { (void)read("uquad", kFlight); },
-              ThrowsMessage<InvalidInput>(HasSubstr("nothing for the input 'speed_1'")));
+              ThrowsMessage<InvalidInput>(HasSubstr("no channel for the input 'speed_1'")));
 }
 
 }  // namespace

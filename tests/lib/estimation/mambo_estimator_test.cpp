@@ -275,7 +275,7 @@ TEST(MamboEstimator, TakesOutTheTurningOfTheImagesOwnInstant) {
     EXPECT_GT(before, 10 * after) << lag << " " << delay;
   }
   EXPECT_EQ(flow_alignment_periods(0, 0, 0.005), 0);
-  EXPECT_EQ(flow_alignment_periods(10, 0, 0.005), kMostAlignedPeriods);
+  EXPECT_EQ(flow_alignment_periods(10, 0, 0.005), kMaxAlignedPeriods);
 }
 
 TEST(MamboEstimator, FollowsAFlightOverTheGround) {
@@ -565,7 +565,7 @@ TEST(MamboEstimator, RefusesWhatCannotRun) {
           "altitude_R is 0 m2, expected a positive number");
   refused([](MamboSettings& s) { s.velocity_Q = -1; },
           "velocity_Q is -1 m2/s2, expected 0 or more and finite because it is a variance");
-  refused([](MamboSettings& s) { s.sonar_least = 6; },
+  refused([](MamboSettings& s) { s.sonar_min = 6; },
           "sonar_least is 6 m and sonar_greatest 5 m, expected the first to be smaller because "
           "echoes lie between them");
   refused([](MamboSettings& s) { s.gyro_lag = kNaN; }, "gyro_lag is nan s, expected 0 or more");

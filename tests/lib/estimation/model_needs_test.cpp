@@ -21,7 +21,7 @@ using testing::TemporaryDirectory;
 ModelNeeds needs(const std::string& model, const std::string& log) {
   const TemporaryDirectory folder;
   const auto reader = open_log(folder.write("log.csv", log).string());
-  return needs_of_model(signals_of(load_filter_model(model)), survey_log(*reader));
+  return model_needs(signals_of(load_filter_model(model)), survey_log(*reader));
 }
 
 TEST(ModelNeeds, FindsInputsAndOutputsByName) {
@@ -43,15 +43,15 @@ TEST(ModelNeeds, NamesWhatIsMissingAndWhatMayBeMeant) {
   EXPECT_EQ(found.missing[1].sensor, "sonar");
   EXPECT_THAT(found.missing[1].candidates, ElementsAre("sonar_height", "baro"));
   EXPECT_EQ(to_text(found),
-            "altitude: needs az [m/s2], height [m]; --map az=CHANNEL names one that is called "
-            "otherwise\n"
+            "altitude: needs az [m/s2], height [m]; use --map az=CHANNEL if one of them is "
+            "named differently\n"
             "  az may be acc_x\n"
             "  height may be sonar_height, baro");
 }
 
 TEST(ModelNeeds, SaysHowToNameOneThatIsMissing) {
   EXPECT_EQ(to_text(needs("altitude", "t,height\n0,1\n1,2\n")),
-            "altitude: needs az [m/s2]; --map az=CHANNEL names it if it is called otherwise");
+            "altitude: needs az [m/s2]; use --map az=CHANNEL if it is named differently");
 }
 
 TEST(ModelNeeds, RefusesOtherUnitsAndUselessChannels) {
@@ -61,11 +61,11 @@ TEST(ModelNeeds, RefusesOtherUnitsAndUselessChannels) {
     return found.missing.empty() ? "" : found.missing.back().why;
   };
   EXPECT_EQ(why("t,az,height[cm]\n0,1,2\n1,1,3\n"), "is in cm, expected m");
-  EXPECT_EQ(why("t,az,height\n0,1,\n1,1,\n"), "never has a value");
-  EXPECT_EQ(why("t,az,height\n0,1,3\n1,1,\n"), "has one sample alone");
+  EXPECT_EQ(why("t,az,height\n0,1,\n1,1,\n"), "has no values");
+  EXPECT_EQ(why("t,az,height\n0,1,3\n1,1,\n"), "has only one sample");
   EXPECT_EQ(why("t,az,height\n0,1,3\n0,1,4\n1,1,5\n"),
-            "has times that do not increase; --rate HZ gives a text others");
-  EXPECT_EQ(why("az,height\n1,3\n1,4\n1,5\n"), "has no time; --rate HZ gives a text one");
+            "has times that do not increase; use --rate HZ for a text");
+  EXPECT_EQ(why("az,height\n1,3\n1,4\n1,5\n"), "has no time; use --rate HZ for a text");
 }
 
 // A log of two accelerometers: records of it need a choice.
@@ -82,12 +82,12 @@ TEST(ModelNeeds, LeavesAChoiceBetweenTablesToTheUser) {
   const ModelSignals model = signals_of(load_filter_model("altitude"));
   add("imu0", "az", "m/s^2");
   add("sonar", "height", "m");
-  EXPECT_THAT(needs_of_model(model, log).uses,
+  EXPECT_THAT(model_needs(model, log).uses,
               ElementsAre(Pair("az", "imu0.az"), Pair("height", "sonar.height")));
   add("imu1", "az", "m/s^2");
-  const ModelNeeds found = needs_of_model(model, log);
+  const ModelNeeds found = model_needs(model, log);
   ASSERT_EQ(found.missing.size(), 1u);
-  EXPECT_EQ(found.missing[0].why, "stands in several tables");
+  EXPECT_EQ(found.missing[0].why, "is in several tables");
   EXPECT_THAT(found.missing[0].candidates, ElementsAre("imu0.az", "imu1.az"));
 }
 
@@ -98,11 +98,11 @@ TEST(ModelNeeds, TakesOneSensorOfSeveral) {
   const auto survey = [&](const std::string& text) {
     return survey_log(*open_log(folder.write("log.csv", text).string()));
   };
-  const ModelNeeds one = needs_of_model(model, survey("t,z\n0,1\n1,2\n"));
+  const ModelNeeds one = model_needs(model, survey("t,z\n0,1\n1,2\n"));
   EXPECT_TRUE(one.feeds);
   EXPECT_EQ(to_text(one),
             "two: fed by z; --map the measurements that are there, without x [m], y [m]");
-  const ModelNeeds half = needs_of_model(model, survey("t,x\n0,1\n1,2\n"));
+  const ModelNeeds half = model_needs(model, survey("t,x\n0,1\n1,2\n"));
   EXPECT_FALSE(half.feeds);
   EXPECT_THAT(to_text(half), HasSubstr("needs z [m] of baro, y [m] of gps"));
 }
@@ -114,7 +114,7 @@ TEST(ModelNeeds, DoesNotListForEver) {
       {{"s", {{"y", ""}}}}};
   const TemporaryDirectory folder;
   const std::string path = folder.write("log.csv", "t,x\n0,1\n1,2\n").string();
-  const ModelNeeds found = needs_of_model(model, survey_log(*open_log(path)));
+  const ModelNeeds found = model_needs(model, survey_log(*open_log(path)));
   EXPECT_EQ(found.missing.size(), 8u);
   EXPECT_THAT(to_text(found), HasSubstr("many: needs a, b, c, d, e, f, 2 more; --map a=CHANNEL"));
 }
@@ -136,7 +136,7 @@ TEST(ModelNeeds, EveryBuiltInModelIsFedByALogOfItsOwnNames) {
     const TemporaryDirectory folder;
     const std::string path =
         folder.write("log.csv", fmt::format("{}\n{}\n{}\n", head, first, second)).string();
-    EXPECT_TRUE(needs_of_model(model, survey_log(*open_log(path))).feeds) << model.name;
+    EXPECT_TRUE(model_needs(model, survey_log(*open_log(path))).feeds) << model.name;
     const LogChannels channels = read_log_channels(path, names);
     std::vector<ChannelUse> uses;
     for (std::size_t i = 0; i < names.size(); ++i) uses.push_back({names[i], channels.series[i]});
@@ -150,7 +150,7 @@ TEST(ModelNeeds, DoesNotGuessWhatStandsForAnything) {
   for (const char* log : {"t,y[uT]\n0,1\n1,2\n", "t,x,y,z\n0,1,1,1\n1,2,2,2\n"}) {
     const ModelNeeds found = needs("local-level", log);
     EXPECT_FALSE(found.feeds) << log;
-    EXPECT_EQ(found.missing[0].why, "stands for anything");
+    EXPECT_EQ(found.missing[0].why, "can be any quantity");
     EXPECT_THAT(found.missing[0].candidates, ElementsAre("y"));
   }
 }

@@ -96,16 +96,16 @@ TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
   refused({{"height", some}},
           "a.csv: the model 'altitude' needs its input 'az', expected a channel for it");
   refused({{"az", some}},
-          "a.csv: no measurement of the model 'altitude' came, expected one of height");
+          "a.csv: no measurement of the model 'altitude' is given, expected one of height");
   refused({{"az", some}, {"heigth", some}},
           "a.csv: the model 'altitude' has no 'heigth', expected one of az, height; did you mean "
           "'height'?");
-  refused({{"az", some}, {"az", some}}, "a.csv: 'az' came twice, expected it once");
+  refused({{"az", some}, {"az", some}}, "a.csv: 'az' is given twice, expected once");
   refused({{"az", series("c", "", {0, 0.1}, {1, 2})}, {"height", series("h", "", {5, 6}, {1, 2})}},
-          "a.csv: no measurement falls into the time of all inputs, expected some that do");
+          "a.csv: no measurement is within the time of all inputs, expected at least one");
   refused({{"az", some}, {"height", series("h", "", {0, 1e12}, {1, 2})}},
           "a.csv: 'h' has a sample 1e+12 s after the first of all, expected less than 4e+11 s "
-          "because instants are told apart by 1e-07 s");
+          "because instants are resolved to 1e-07 s");
   FilterModel discrete = load_filter_model("local-level");
   discrete.dt = 1;
   EXPECT_THAT(
@@ -168,11 +168,11 @@ TEST(RecordOfLog, TakesASparseTruthWhereItIsToldAlone) {
   EXPECT_EQ(std::count_if(known.begin(), known.end(), [](double x) { return std::isfinite(x); }),
             3);
   // Of another time it tells nothing.
-  EXPECT_THAT([&] { (void)truth_at(100); },
-              ThrowsMessage<InvalidInput>(
-                  StrEq("a.csv: the truth for 'position' is of 100 s to 102 s and tells nothing of "
-                        "the log's instants, 0 s to 3.9 s, expected one of the same flight by the "
-                        "same clock")));
+  EXPECT_THAT(
+      [&] { (void)truth_at(100); },
+      ThrowsMessage<InvalidInput>(StrEq(
+          "a.csv: the truth for 'position' is from 100 s to 102 s and does not cover the log's "
+          "instants, 0 s to 3.9 s, expected one of the same flight with the same clock")));
 }
 
 /// Inputs and heights of an inertial record, every 0.1 s.
@@ -237,14 +237,14 @@ TEST(RecordOfLog, RefusesAnAttitudeThatIsNone) {
     return ChannelUse{name, series(name, "", {0, 1}, {value, value})};
   };
   refused({one("qw", 1), one("qx", 0), one("qy", 0)},
-          "a truth for qz is missing, expected all of qw, qx, qy, qz because an attitude is told "
-          "by all of them");
+          "a truth for qz is missing, expected all of qw, qx, qy, qz because an attitude needs all "
+          "of them");
   refused({one("qw", 1), one("qx", 1), one("qy", 0), one("qz", 0)},
           "the quaternion of 'qw' has the length 1.414 at 0 s, expected 1");
   refused({one("qw", 1), one("qx", 0), one("qy", 0), one("qz", 0), one("roll", 0), one("pitch", 0),
            one("yaw", 0)},
-          "the attitude came as a quaternion and as roll, pitch, yaw, expected one of them");
-  refused({one("yaw", 0), one("yaw", 0)}, "a truth for 'yaw' came twice, expected it once");
+          "the attitude is given as a quaternion and as roll, pitch, yaw, expected one of them");
+  refused({one("yaw", 0), one("yaw", 0)}, "the truth for 'yaw' is given twice, expected once");
 }
 
 }  // namespace

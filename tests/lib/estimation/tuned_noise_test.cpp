@@ -63,11 +63,11 @@ TEST(TunedNoise, RefusesAnotherFilter) {
   };
   DiscreteLti filter = altitude_on_board();
   filter.states[1].name = "w";
-  refusal(filter, kNoiseInput, "has the states z vz, expected z w as the filter");
+  refusal(filter, kNoiseInput, "has the states z vz, expected z w as in the filter");
   refusal(altitude_on_board(), Matrix::Identity(2, 2), "has noise on other states");
   filter = altitude_on_board();
   filter.C << 0, 1;
-  refusal(filter, kNoiseInput, "measures other than the filter with 'height'");
+  refusal(filter, kNoiseInput, "measures 'height' differently from the filter");
   filter.C = Matrix::Identity(2, 2);
   refusal(filter, kNoiseInput, "has 1 measurements, expected 2");
 }

@@ -251,7 +251,7 @@ TEST(UquadFilter, KnowsHowWrongItIs) {
       const Eigen::Matrix<double, 16, 1> y = expected_measurement(body, truth, loads);
       UquadMeasurement<double> m;
       m.tilt = {y(0) + noise(settings.R_tilt), y(1) + noise(settings.R_tilt)};
-      m.yaw = wrapped(y(2) + noise(settings.R_yaw));
+      m.yaw = wrap_angle(y(2) + noise(settings.R_yaw));
       m.force = y.segment<3>(3) + noises(settings.R_force);
       m.rates = y.segment<3>(6) + noises(settings.R_rates);
       m.height = y(9) + noise(settings.R_height);
@@ -318,7 +318,7 @@ TEST(UquadFilter, FindsTheAccelerometersBias) {
     }
     EXPECT_EQ(plain.kalman.x.tail<3>(), Vector3d::Zero());
     EXPECT_EQ(plain.kalman.P.bottomRows<3>().norm(), 0);
-    const Tilt<double> wrong = tilt_of_force<double>(Vector3d(0, 0, -kFilterGravity) + bias);
+    const Tilt<double> wrong = tilt_from_force<double>(Vector3d(0, 0, -kFilterGravity) + bias);
     EXPECT_NEAR(estimate.x(3), wrong.roll, 1e-3);
     EXPECT_NEAR(estimate.x(4), wrong.pitch, 1e-3);
   }
@@ -434,19 +434,19 @@ TEST(UquadFilter, DoubtsForcesAndFieldsOfTheWrongLength) {
   frame.specific_force.value *= 1.2;
   frame.magnetic_field.value *= 0.7;
   UquadMeasurement<double> m = uquad_measurement(settings, state, frame, kFilterGravity);
-  EXPECT_EQ(m.tilt_doubt, 1);
-  EXPECT_EQ(m.yaw_doubt, 1);
+  EXPECT_EQ(m.tilt_variance_factor, 1);
+  EXPECT_EQ(m.yaw_variance_factor, 1);
   settings.dynamic_covariance = true;
   m = uquad_measurement(settings, state, frame, kFilterGravity);
-  EXPECT_NEAR(m.tilt_doubt, 5, 1e-12);  // 1 + (0.2/0.1)²
-  EXPECT_NEAR(m.yaw_doubt, 14, 1e-12);  // + (0.3/0.1)²
+  EXPECT_NEAR(m.tilt_variance_factor, 5, 1e-12);  // 1 + (0.2/0.1)²
+  EXPECT_NEAR(m.yaw_variance_factor, 14, 1e-12);  // + (0.3/0.1)²
   // And the filter hears it: a doubted tilt moves the state less.
   const RigidBody body(plus_quadrotor());
   m.tilt = {0.1, 0};
   double moved[2];
   for (const bool doubted : {false, true}) {
     UquadState s = uquad_filter_start(settings, x);
-    m.tilt_doubt = doubted ? 5 : 1;
+    m.tilt_variance_factor = doubted ? 5 : 1;
     m.force_fresh = m.rates_fresh = m.height_fresh = m.yaw_fresh = m.gps_position_fresh =
         m.gps_velocity_fresh = false;
     Estimate<double> seen;
@@ -803,7 +803,7 @@ TEST(UquadFilter, CastKeepsEverySetting) {
   settings.declination = 16;
   settings.reference_pressure = 17;
   settings.gps_timeout = 18;
-  settings.still_variance = 19;
+  settings.zero_velocity_variance = 19;
   settings.standing_variance = 20;
   EXPECT_EQ(uquad_filter_cast<double>(settings), settings);
   EXPECT_EQ(uquad_filter_cast<double>(uquad_filter_cast<float>(settings)).gate, 12);
@@ -826,7 +826,7 @@ TEST(UquadFilter, RefusesWhatCannotRun) {
           "P0(1) is nan, expected 0 or more and finite because it is a variance");
   refused([](UquadSettings& s) { s.R_tilt = 0; }, "R_tilt is 0 rad2, expected a positive number");
   refused([](UquadSettings& s) { s.gate = 0; },
-          "gate is 0, expected more than 0 because no measurement passes it otherwise");
+          "gate is 0, expected more than 0 because otherwise no measurement is accepted");
   refused([](UquadSettings& s) { s.field_band = 0; },
           "field_band is 0, expected a positive number");
   refused([](UquadSettings& s) { s.reference_pressure = 0; },

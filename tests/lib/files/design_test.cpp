@@ -174,7 +174,7 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   };
   EXPECT_THAT(said("x = { Kp = 1 }\n[cascade.design]\n"), HasSubstr("has gains of x beside"));
   EXPECT_THAT(said("integrator = \"tustin\"\n[cascade.design]\n"),
-              HasSubstr("[cascade] has an integrator beside [cascade.design]"));
+              HasSubstr("[cascade] has an integrator in addition to [cascade.design]"));
   EXPECT_THAT(said("[cascade.design]\nMs_max = 1\n"), HasSubstr("more than 1"));
   EXPECT_THAT(said("[cascade.design]\nintegrator = \"tusin\"\n"),
               HasSubstr("did you mean 'tustin'"));
@@ -224,14 +224,14 @@ TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {
   refused(head + "past = 41\n", "past");
   refused(head + "past = 0\nchange = [1, 1, 1, 1]\n", "expected a whole number from 1 to 40");
   refused(head + "[[export]]\nto = 'mambo'\n",
-          "d.toml:6: export to 'mambo' has no place for the past commands");
+          "d.toml:6: export to 'mambo' cannot hold the past commands");
   refused(head + "structure = 'matrices'\n",
           "d.toml:5: lqr.structure is 'matrices', expected 'dynamic' or 'matrix'; did you mean "
           "'matrix'?");
   refused(head + "[trim]\nat = 'line'\nspeed_m_per_s = 1\n",
           "lqr.plant is 'flown' in a design whose trim is a line, expected a hover");
   refused(head + "[published]\nsource = 'x'\nK = [[1]]\n",
-          "[published] has nothing to be compared");
+          "[published] has no gains to be compared");
 }
 
 TEST(Design, ReadsAMatrixForTheFlownPlant) {
@@ -330,13 +330,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "d.toml:10: lqr.R is 2x2, expected 4x4 (inputs: w1 w2 w3 w4)"},
         Refusal{
             "UnknownIntegral", 11, "integral = ['z', 'thetta']",
-            "d.toml:11: lqr.integral has 'thetta', expected some of z psi phi theta vqz wqx wqy "
+            "d.toml:11: lqr.integral has 'thetta', expected names from z psi phi theta vqz wqx wqy "
             "wqz; did you mean 'theta'?"},
         Refusal{"IntegralTwice", 11, "integral = ['z', 'z']",
-                "d.toml:11: lqr.integral has 'z' twice"},
-        Refusal{"WeightOfNoIntegral", 11, "", "d.toml:12: lqr.Q_integral weighs no integral"},
+                "d.toml:11: lqr.integral lists 'z' twice"},
+        Refusal{"WeightOfNoIntegral", 11, "",
+                "d.toml:12: lqr.Q_integral has no integrals to weight"},
         Refusal{"UnknownState", 8, "states = ['x', 'roll']",
-                "d.toml:8: lqr.states has 'roll', expected some of x y z psi"},
+                "d.toml:8: lqr.states has 'roll', expected names from x y z psi"},
         Refusal{"StatesWord", 8, "states = 'no-postion'", "did you mean 'no-position'?"},
         Refusal{"SampleTime", 14, "dt_s = 0",
                 "d.toml:14: dt_s in [lqr] is 0, expected more than 0"},
@@ -351,7 +352,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"Inputs", 7, "inputs = 'rotor-sped'", "d.toml:7: no inputs 'rotor-sped'"},
         Refusal{"Vehicle", 2, "vehicle = 'uqad'",
                 "d.toml:2: no vehicle 'uqad' and no such file, expected mambo, rolling-spider, "
-                "uquad, crazyflie or a vehicle file beside the design; did you mean 'uquad'?"},
+                "uquad, crazyflie or a vehicle file in the design's folder; did you mean 'uquad'?"},
         Refusal{"Trim", 4, "at = 'hoover'",
                 "d.toml:4: 'hoover', expected hover, line, circle or spin"},
         Refusal{"SpeedInHover", 4, "at = 'hover'\nspeed_m_per_s = 1",
@@ -369,14 +370,15 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"FlightCodePrecision", 16, "to = 'c'\nprecision = 'half'",
                 "d.toml:17: no precision 'half', expected float or double"},
         Refusal{"KeysOfFlightCode", 16, "to = 'json'\nname = 'x'",
-                "d.toml:17: export.name is for an export to 'c', expected none for 'json'"},
+                "d.toml:17: export.name applies only to an export to 'c', expected no such key for "
+                "'json'"},
         Refusal{"Published", 3, "[published]\nsource = 'x'\nK = [[1, 2]]\n[trim]",
                 "d.toml:5: published.K is 1x2, expected up to 4 rows"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Design, RefusesAFileThatAsksForNothing) {
   EXPECT_THAT([] { (void)parse("name = 'x'\nvehicle = 'mambo'\n"); },
-              ThrowsMessage<InvalidInput>(StrEq("d.toml:1: the file asks for nothing, expected "
+              ThrowsMessage<InvalidInput>(StrEq("d.toml:1: the file requests no design, expected "
                                                 "[lqr], [[kalman]] or [cascade]")));
 }
 

@@ -93,9 +93,9 @@ INSTANTIATE_TEST_SUITE_P(
         MatrixRefusal{"Infinity", "-inf 1", "file:1: '-inf' is not finite"},
         MatrixRefusal{"Overflow", "1e999", "file:1: '1e999' is beyond the range of a double"},
         MatrixRefusal{"Underflow", "1e-999", "file:1: '1e-999' is beyond the range of a double"},
-        MatrixRefusal{"TwoCommas", "1,,2", "file:1: nothing before or after a comma"},
-        MatrixRefusal{"LeadingComma", ",1", "nothing before or after a comma"},
-        MatrixRefusal{"TrailingComma", "1,2,", "nothing before or after a comma"},
+        MatrixRefusal{"TwoCommas", "1,,2", "file:1: no number before or after a comma"},
+        MatrixRefusal{"LeadingComma", ",1", "no number before or after a comma"},
+        MatrixRefusal{"TrailingComma", "1,2,", "no number before or after a comma"},
         MatrixRefusal{"ByteOrderMark",
                       "\xef\xbb\xbf"
                       "1 2",

@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
                     },
                     "file.toml:2: key 'zz' in [body] is not known, expected one of mass_kg"},
         TomlRefusal{"Missing", [] { (void)body("").number("mass_kg"); },
-                    "file.toml:1: [body] has no key 'mass_kg', expected one"},
+                    "file.toml:1: [body] has no key 'mass_kg', which is required"},
         TomlRefusal{"StringForNumber", [] { (void)body("mass_kg = '63 g'").number("mass_kg"); },
                     "file.toml:2: mass_kg in [body] is the string '63 g', expected a number"},
         TomlRefusal{"NumberForString", [] { (void)body("name = 4").text("name"); },
@@ -101,11 +101,11 @@ INSTANTIATE_TEST_SUITE_P(
         TomlRefusal{
             "NameForAFile", [] { (void)body("name = '../x'").word("name"); },
             "file.toml:2: name in [body] is '../x', expected 1 to 64 letters, digits, '.', '_' "
-            "or '-', as it names files"},
+            "or '-' because it is used in file names"},
         TomlRefusal{"DuplicateKey", [] { parse_toml("a = 1\nb = 2\na = 3"); },
-                    "file.toml:3: key 'a' stands twice, expected once"},
+                    "file.toml:3: key 'a' is defined twice, expected once"},
         TomlRefusal{"DuplicateTable", [] { parse_toml("[a]\n[a]"); },
-                    "file.toml:2: key 'a' stands twice, expected once"},
+                    "file.toml:2: key 'a' is defined twice, expected once"},
         TomlRefusal{
             "DecimalComma", [] { parse_toml("a = 0,5"); },
             "file.toml:1: not TOML: key-value pair: expected a comment or whitespace, saw ','"},

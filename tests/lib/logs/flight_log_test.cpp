@@ -134,63 +134,65 @@ struct Refusal {
 
 TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
   const std::vector<Refusal> refusals = {
-      {"t[s]\n0\n1,2\n", "f.csv:4: the row has 2 fields, expected 1, as many as names"},
-      {"t[s],x[m]\n0\n", "f.csv:3: the row has 1 fields, expected 2, as many as names"},
-      {"t[s],x[m]\n0,1,\n", "f.csv:3: the row has 3 fields, expected 2, as many as names"},
-      {"t[s],x[m]\n\n", "f.csv:3: the row has 1 fields, expected 2, as many as names"},
-      {"\n0\n", "f.csv:3: the row has 1 fields, expected 0, as many as names"},
+      {"t[s]\n0\n1,2\n",
+       "f.csv:4: the row has 2 fields, expected 1 because there are as many names"},
+      {"t[s],x[m]\n0\n",
+       "f.csv:3: the row has 1 fields, expected 2 because there are as many names"},
+      {"t[s],x[m]\n0,1,\n",
+       "f.csv:3: the row has 3 fields, expected 2 because there are as many names"},
+      {"t[s],x[m]\n\n",
+       "f.csv:3: the row has 1 fields, expected 2 because there are as many names"},
+      {"\n0\n", "f.csv:3: the row has 1 fields, expected 0 because there are as many names"},
       {"t[s]\n0x1\n",
-       "f.csv:3: '0x1' is no number that a double holds, expected one, or nothing "
-       "for no value"},
+       "f.csv:3: '0x1' is not a number in the range of a double, expected one, or an empty field"},
       {"t[s]\n1e999\n",
-       "f.csv:3: '1e999' is no number that a double holds, expected one, or "
-       "nothing for no value"},
+       "f.csv:3: '1e999' is not a number in the range of a double, expected one, or an empty "
+       "field"},
       {"t[s],x[m]\n one,2\n",
-       "f.csv:3: ' one' is no number that a double holds, expected one, or "
-       "nothing for no value"},
+       "f.csv:3: ' one' is not a number in the range of a double, expected one, or an empty field"},
       {"t[s]\n\"1\"\n",
-       "f.csv:3: '\"1\"' is no number that a double holds, expected one, or "
-       "nothing for no value"},
+       "f.csv:3: '\"1\"' is not a number in the range of a double, expected one, or an empty "
+       "field"},
       {"t[s]\n1\n# event,1,a,b\n",
-       "f.csv:4: '# event' is no number that a double holds, expected "
-       "one, or nothing for no value"},
+       "f.csv:4: '# event' is not a number in the range of a double, expected one, or an empty "
+       "field"},
       {"t\n",
-       "f.csv:2: 't' names no column, expected a name and its unit in brackets, such as "
+       "f.csv:2: 't' is not a column title, expected a name and its unit in brackets, such as "
        "x.px[m]"},
       {"t[s]x\n",
-       "f.csv:2: 't[s]x' names no column, expected a name and its unit in brackets, "
-       "such as x.px[m]"},
-      {"t[s],\n",
-       "f.csv:2: '' names no column, expected a name and its unit in brackets, such as "
+       "f.csv:2: 't[s]x' is not a column title, expected a name and its unit in brackets, such as "
        "x.px[m]"},
-      {"[s]\n", "f.csv: a column has no name, expected one, as values are found by it"},
-      {"t[s],t[m]\n", "f.csv: column 't' stands twice, expected distinct names"},
-      {"\"t[s]\n", "f.csv:2: a quoted field does not end, expected a quote at its end"},
-      {"\"t\"[s]\n", "f.csv:2: something follows the end of a quoted field, expected a comma"},
+      {"t[s],\n",
+       "f.csv:2: '' is not a column title, expected a name and its unit in brackets, such as "
+       "x.px[m]"},
+      {"[s]\n", "f.csv: a column has no name; expected one because columns are accessed by name"},
+      {"t[s],t[m]\n", "f.csv: column name 't' appears twice, expected distinct names"},
+      {"\"t[s]\n", "f.csv:2: a quoted field has no closing quote"},
+      {"\"t\"[s]\n", "f.csv:2: unexpected text after a quoted field, expected a comma"},
       {"t\\q[s]\n",
-       "f.csv:2: '\\q' begins no escape, expected \\\\, \\n or \\x and two "
-       "hexadecimal digits"},
+       "f.csv:2: '\\q' is not an escape sequence, expected \\\\, \\n or \\x and two hexadecimal "
+       "digits"},
       {"t\\x1[s]\n",
-       "f.csv:2: '\\x1' begins no escape, expected \\\\, \\n or \\x and two "
-       "hexadecimal digits"},
-      {"t\\xff[s]\n", "f.csv: the name 't?' is not UTF-8, expected UTF-8"},
+       "f.csv:2: '\\x1' is not an escape sequence, expected \\\\, \\n or \\x and two hexadecimal "
+       "digits"},
+      {"t\\xff[s]\n", "f.csv: the name 't?' is not valid UTF-8"},
       {"# about,a\nt[s]\n", "f.csv:2: 'about' has 2 fields, expected 3"},
       {"# event,1,a\nt[s]\n", "f.csv:2: 'event' has 3 fields, expected 4"},
       {"# event,,a,b\nt[s]\n",
-       "f.csv:2: '' is no number that a double holds, expected one, or "
-       "nothing for no value"},
+       "f.csv:2: '' is not a number in the range of a double, expected one, or an empty field"},
       {"# evnt,1,a,b\nt[s]\n",
        "f.csv:2: '# evnt' is not known, expected '# about', '# event', "
        "'# note' or '# rows'; did you mean ' event'?"},
       {"#\nt[s]\n",
        "f.csv:2: '#' is not known, expected '# about', '# event', '# note' or '# "
        "rows'"},
-      {"# rows,x\nt[s]\n", "f.csv:2: 'x' is no count of rows, expected one"},
-      {"# rows,-1\nt[s]\n", "f.csv:2: '-1' is no count of rows, expected one"},
-      {"# rows,0\n# rows,0\nt[s]\n", "f.csv:3: the rows are counted twice, expected once"},
-      {"# rows,2\nt[s]\n1\n", "f.csv: has 1 rows, expected 2 as its head says; is it cut short?"},
+      {"# rows,x\nt[s]\n", "f.csv:2: 'x' is not a row count"},
+      {"# rows,-1\nt[s]\n", "f.csv:2: '-1' is not a row count"},
+      {"# rows,0\n# rows,0\nt[s]\n", "f.csv:3: the row count is given twice, expected once"},
+      {"# rows,2\nt[s]\n1\n",
+       "f.csv: has 1 rows, expected 2 as its header states; is it cut short?"},
       {"t[s]\n1", "f.csv:3: the line does not end, expected a line feed; is the file cut short?"},
-      {"", "f.csv: has no line of names, expected one below the comments; is it cut short?"},
+      {"", "f.csv: has no line of column names below the comments; is it cut short?"},
   };
   for (const Refusal& refusal : refusals)
     EXPECT_THAT(
@@ -256,7 +258,7 @@ TEST(LogMat, RefusesArraysThatClaimMoreThanTheyHold) {
       [&] { std::ignore = table_of_mat(bytes, "f.mat"); },
       ThrowsMessage<InvalidInput>(StrEq(
           "f.mat: an array of 3 entries has 16 bytes of type 9 at offset " + std::to_string(data) +
-          ", expected a whole MAT v5 file; is it cut short or damaged?")));
+          ", expected a complete MAT v5 file; is it cut short or damaged?")));
   rows = 127;
   EXPECT_THAT([&] { std::ignore = table_of_mat(bytes, "f.mat"); },
               ThrowsMessage<InvalidInput>(HasSubstr("an array claims 127 x 1 entries")));
@@ -280,7 +282,7 @@ TEST(LogMat, RefusesArraysThatLieTooDeep) {
       [&] {
         std::ignore = table_of_mat(bytes_of_mat(small_log()).substr(0, 128) + nested, "f.mat");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("an array lies 33 deep")));
+      ThrowsMessage<InvalidInput>(HasSubstr("an array is nested 33 deep")));
 }
 
 // What MATLAB and Octave users type is what the pages say.
@@ -320,15 +322,13 @@ TEST(LogMat, RefusesOtherFilesAndSaysWhy) {
        "-v6"},
       {hdf5 + v73, "f.mat: is a MAT v7.3 file, which is HDF5, expected MAT v5: save it with -v6"},
       {"", "f.mat: has 0 bytes, expected a MAT v5 file, which has a header of 128"},
-      {std::string(200, ' '), "f.mat: is no MAT v5 file, expected one: its header says otherwise"},
+      {std::string(200, ' '), "f.mat: is not a MAT v5 file according to its header"},
       {with(126, "MI"),
-       "f.mat: was written on a machine of the other byte order, expected this "
-       "machine's"},
+       "f.mat: was written on a machine with the opposite byte order, expected this machine's"},
       {with(128, "\x0f"),
-       "f.mat: is compressed, expected a MAT file that is not: save it with "
-       "-v6"},
-      {mat.substr(0, 128), "f.mat: has no variable 'flight', expected it as quadtune writes it"},
-      {renamed, "f.mat: has no variable 'flight', expected it as quadtune writes it"},
+       "f.mat: is compressed, expected an uncompressed MAT file: save it with -v6"},
+      {mat.substr(0, 128), "f.mat: has no variable 'flight', expected a log that quadtune wrote"},
+      {renamed, "f.mat: has no variable 'flight', expected a log that quadtune wrote"},
   };
   for (const auto& refusal : refusals)
     EXPECT_THAT([&] { std::ignore = table_of_mat(refusal.first, "f.mat"); },
@@ -339,24 +339,15 @@ TEST(Logs, RefuseTablesThatNoFileCouldHold) {
   const LogColumn time = {"t", "s", {0, 1}};
   const std::vector<std::pair<LogTable, std::string>> refusals = {
       {{{}, {time, {"x", "m", {0}}}, {}}, "log: column 'x' has 1 rows, expected 2 as 't' has"},
-      {{{}, {time, time}, {}}, "log: column 't' stands twice, expected distinct names"},
+      {{{}, {time, time}, {}}, "log: column name 't' appears twice, expected distinct names"},
       {{{}, {{"", "s", {}}}, {}},
-       "log: a column has no name, expected one, as values are found by it"},
-      {{{}, {{"\xff", "s", {}}}, {}}, "log: the name '?' is not UTF-8, expected UTF-8"},
-      {{{}, {{"t", "\xc3", {}}}, {}}, "log: the unit '?' is not UTF-8, expected UTF-8"},
-      {{{{"\xc0\x80", ""}}, {}, {}},
-       "log: the key '?"
-       "?' is not UTF-8, expected UTF-8"},
-      {{{{"a", "\xed\xa0\x80"}}, {}, {}},
-       "log: the value '?"
-       "?"
-       "?' is not UTF-8, expected UTF-8"},
-      {{{}, {}, {{0, "\xf5\x80\x80\x80", ""}}},
-       "log: the event '?"
-       "?"
-       "?"
-       "?' is not UTF-8, expected UTF-8"},
-      {{{}, {}, {{0, "", "a\x80"}}}, "log: the detail 'a?' is not UTF-8, expected UTF-8"},
+       "log: a column has no name; expected one because columns are accessed by name"},
+      {{{}, {{"\xff", "s", {}}}, {}}, "log: the name '?' is not valid UTF-8"},
+      {{{}, {{"t", "\xc3", {}}}, {}}, "log: the unit '?' is not valid UTF-8"},
+      {{{{"\xc0\x80", ""}}, {}, {}}, "log: the key '??' is not valid UTF-8"},
+      {{{{"a", "\xed\xa0\x80"}}, {}, {}}, "log: the value '???' is not valid UTF-8"},
+      {{{}, {}, {{0, "\xf5\x80\x80\x80", ""}}}, "log: the event '????' is not valid UTF-8"},
+      {{{}, {}, {{0, "", "a\x80"}}}, "log: the detail 'a?' is not valid UTF-8"},
   };
   for (const auto& refusal : refusals)
     for (const char* path : {"f.csv", "f.mat"})

@@ -39,7 +39,7 @@ TEST(MatLog, VectorsOfOneLengthShareTheClock) {
     EXPECT_THAT(log.group("rows3").time, ElementsAre(0, DoubleEq(0.005), DoubleEq(0.01)));
     EXPECT_THAT(log.group("rows3").rows[2], ElementsAre(3, 3, 6));
     EXPECT_FALSE(log.group("rows2").group.timed);
-    EXPECT_THAT(log.condition.notes, ElementsAre("single numbers are passed over: g"));
+    EXPECT_THAT(log.condition.notes, ElementsAre("single numbers are ignored: g"));
   }
 }
 
@@ -117,9 +117,9 @@ TEST(MatLog, JudgesAClockWithoutUnitByItsValues) {
   EXPECT_FALSE(ambiguous.group("").group.timed);
   EXPECT_THAT(ambiguous.group("").names(), ElementsAre("time", "z"));
   EXPECT_THAT(ambiguous.condition.notes,
-              ElementsAre("'time' states no unit and is no clock, because as seconds its samples "
-                          "would be 4000 s apart; they may be milliseconds, microseconds or "
-                          "nanoseconds: call it time_us"));
+              ElementsAre("'time' states no unit and is not used as a clock because in seconds its "
+                          "samples would be 4000 s apart; they may be milliseconds, microseconds "
+                          "or nanoseconds: rename it time_us"));
 }
 
 TEST(MatLog, LeavesOutRowsWhoseTimeWasNeverSet) {
@@ -189,11 +189,11 @@ TEST(MatLog, NamesWhatItPassesOver) {
   mat.matrix("z", {2, 1}, {1, 2}).add(of_kind(1, "c")).add(of_kind(3, "o")).add(of_kind(5, "s"));
   mat.add(of_kind(16, "f")).add(of_kind(6 | 0x800, "i"));
   EXPECT_THAT(read_bytes(mat.bytes()).condition.notes,
-              ElementsAre("'c' is a cell array and is passed over",
-                          "'o' is an object: save a timeseries as a struct and is passed over",
-                          "'s' is a sparse matrix and is passed over",
-                          "'f' is no vector or matrix of numbers and is passed over",
-                          "'i' is complex and is passed over"));
+              ElementsAre("'c' is a cell array and is ignored",
+                          "'o' is an object: save a timeseries as a struct and is ignored",
+                          "'s' is a sparse matrix and is ignored",
+                          "'f' is not a vector or matrix of numbers and is ignored",
+                          "'i' is complex and is ignored"));
 }
 
 // A struct of `count` fields called `name` that states `rows` of them.

@@ -127,15 +127,17 @@ TEST(TextLog, RefusesColumnsThatAreNotThere) {
               ThrowsMessage<InvalidInput>("f.log: has no column 'hight'; did you mean 'height'?"));
   EXPECT_THAT(refused("a:3", "1 2\n"),
               ThrowsMessage<InvalidInput>("f.log: has no column 3 for 'a', expected 1 to 2"));
-  EXPECT_THAT(refused("a:x", "1 2\n"), ThrowsMessage<InvalidInput>(HasSubstr("no line of names")));
-  EXPECT_THAT(refused("a:1,b:1", "1 2\n"), ThrowsMessage<InvalidInput>(HasSubstr("taken twice")));
+  EXPECT_THAT(refused("a:x", "1 2\n"),
+              ThrowsMessage<InvalidInput>(HasSubstr("no line of column names")));
+  EXPECT_THAT(refused("a:1,b:1", "1 2\n"),
+              ThrowsMessage<InvalidInput>(HasSubstr("selected twice")));
   EXPECT_THAT(refused("t_s:1,b:2", "1 2\n", 5), ThrowsMessage<InvalidInput>(HasSubstr("a rate")));
   for (const char* text : {"", ",", "a:", ":1", "a,,b"})
     EXPECT_THAT([=] { (void)parse_log_columns(text, "--columns"); },
-                ThrowsMessage<InvalidInput>(HasSubstr("is no column")))
+                ThrowsMessage<InvalidInput>(HasSubstr("is not a column")))
         << text;
   EXPECT_THAT([] { (void)parse_log_columns("a:1,a:2", "--columns"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("'a' stands twice")));
+              ThrowsMessage<InvalidInput>(HasSubstr("'a' is given twice")));
 }
 
 TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
@@ -173,7 +175,7 @@ TEST(TextLog, TakesTimesSince1970InTheUnitThatTheirValuesShow) {
     EXPECT_THAT(log.condition.notes,
                 ElementsAre(AllOf(HasSubstr("states no unit and is taken as " +
                                             std::string(one.said) + " since 1970"),
-                                  HasSubstr("samples being 0.005 s apart"))))
+                                  HasSubstr("with samples 0.005 s apart"))))
         << one.names;
     // Who states the unit is not told of it.
     EXPECT_THAT(read_bytes(clocked(one.names, one.first, one.step), with_columns("t_ns:1, x:2"))
@@ -188,12 +190,12 @@ TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
     const char* why;
   };
   for (const Case& one :
-       {Case{0, 4000, "as seconds its samples would be 4000 s apart"},         // us from the start
-        Case{38116000, 4000, "as seconds its samples would be 4000 s apart"},  // ULog as CSV
-        Case{250000000000, 5000000, "its values, such as 2.50075e+11, are no seconds"},  // ns
-        Case{1403636579758, 4000, "are no seconds"},                                     // ms or us
-        Case{200000000000000, 50000000, "are no seconds"},  // ns of a clock that runs for two days
-        Case{20000000000000000, 5000000, "are no seconds"}})  // ns of one that runs for 230 days
+       {Case{0, 4000, "in seconds its samples would be 4000 s apart"},         // us from the start
+        Case{38116000, 4000, "in seconds its samples would be 4000 s apart"},  // ULog as CSV
+        Case{250000000000, 5000000, "its values, such as 2.50075e+11, are not seconds"},  // ns
+        Case{1403636579758, 4000, "are not seconds"},        // ms or us
+        Case{200000000000000, 50000000, "are not seconds"},  // ns of a clock that runs for two days
+        Case{20000000000000000, 5000000, "are not seconds"}})  // ns of one that runs for 230 days
     EXPECT_THAT(read_bytes(clocked("timestamp,x", one.first, one.step)).condition.unclear_time,
                 AllOf(HasSubstr("the clock 'timestamp' states no unit, and "), HasSubstr(one.why),
                       HasSubstr("s:timestamp, *'")))
@@ -204,7 +206,7 @@ TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
   const testing::TemporaryDirectory folder;
   const std::string file = folder.write("us.csv", clocked("timestamp,x", 0, 4000));
   EXPECT_THAT(read_whole(*open_log(file)).condition.notes,
-              ElementsAre(HasSubstr("as seconds its samples would be 4000 s apart")));
+              ElementsAre(HasSubstr("in seconds its samples would be 4000 s apart")));
   EXPECT_THAT(
       [&] { (void)read_log_channels(file, {"x"}); },
       ThrowsMessage<InvalidInput>(HasSubstr(file + ": the clock 'timestamp' states no unit")));
@@ -219,7 +221,7 @@ TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
 TEST(TextLog, TakesSecondsWithAWord) {
   const WholeLog log = read_bytes("timestamp,x\n1403636579.75,1\n1403636579.80,2\n");
   EXPECT_THAT(log.condition.notes,
-              ElementsAre(AllOf(HasSubstr("is taken as seconds, samples being 0.05 s apart"),
+              ElementsAre(AllOf(HasSubstr("is taken as seconds, with samples 0.05 s apart"),
                                 HasSubstr("--columns 't_us:timestamp, *'"))));
   EXPECT_THAT(read_bytes("t,x\n0,1\n0.1,2\n").condition.notes, IsEmpty());
   // A ground truth as OpenVINS writes it.
@@ -234,19 +236,19 @@ TEST(TextLog, TakesSecondsWithAWord) {
 // A clock called t counts seconds as a rule; milliseconds of a log at 200 Hz look like samples 5 s
 // apart.
 TEST(TextLog, SaysThatASlowClockMayCountMilliseconds) {
-  EXPECT_THAT(read_bytes("t,x\n0,1\n5,2\n10,2\n").condition.notes,
-              ElementsAre(AllOf(HasSubstr("the clock 't' states no unit and is taken as seconds, "
-                                          "samples being 5 s apart"),
-                                HasSubstr("--columns 't_us:t, *'"))));
+  EXPECT_THAT(
+      read_bytes("t,x\n0,1\n5,2\n10,2\n").condition.notes,
+      ElementsAre(AllOf(
+          HasSubstr("the clock 't' states no unit and is taken as seconds, with samples 5 s apart"),
+          HasSubstr("--columns 't_us:t, *'"))));
   EXPECT_THAT(read_bytes("t_s,x\n0,1\n5,2\n10,2\n").condition.notes, IsEmpty());
 }
 
 TEST(TextLog, RefusesAStatedUnitByWhichTheTimeIsNone) {
   const std::string bytes = "t_s,x\n1403636579758555392,1\n1403636579763555584,2\n";
   const LogCondition condition = read_bytes(bytes).condition;
-  EXPECT_THAT(condition.unclear_time,
-              HasSubstr("the clock is stated in s, by which its values, such as 1.40364e+18, come "
-                        "after the year 2286"));
+  EXPECT_THAT(condition.unclear_time, HasSubstr("the clock is stated in s, but its values, such as "
+                                                "1.40364e+18, would be after the year 2286"));
   EXPECT_THAT(
       read_bytes("t_ns,x\n1403636579758555392,1\n1403636579763555584,2\n").condition.unclear_time,
       IsEmpty());
@@ -273,7 +275,7 @@ TEST(TextLog, LeavesOutRowsWhoseTimeWasNeverSet) {
   EXPECT_THAT(log.group("").time.back(), DoubleEq(0.98));
   EXPECT_THAT(log.group("").column("x"), ::testing::Each(1));
   EXPECT_THAT(log.condition.notes,
-              ElementsAre(AllOf(HasSubstr("3 of 53 rows are at time 0, which was never set"),
+              ElementsAre(AllOf(HasSubstr("3 of 53 rows are at time 0 (clock not set)"),
                                 HasSubstr("the first at f.log:2"))));
   EXPECT_TRUE(log.condition.whole());
   // A clock that begins at 0 does so in earnest.
@@ -287,7 +289,7 @@ TEST(TextLog, RefusesATextThatIsMostlyNoTable) {
   EXPECT_EQ(read_bytes(text).condition.skipped, 10U);
   EXPECT_THAT([&] { (void)read_bytes(text + "7\n"); },
               ThrowsMessage<InvalidInput>(
-                  AllOf(HasSubstr("f.log: 11 of 21 rows cannot be read, expected at most half"),
+                  AllOf(HasSubstr("f.log: 11 of 21 rows cannot be read; with more than half"),
                         HasSubstr("f.log:3: the row has 3 fields, expected 2"))));
 }
 
@@ -297,15 +299,16 @@ TEST(TextLog, NamesFormatsThatItDoesNotRead) {
       "FMT, 129, 31, PARM, QNf, TimeUS,Name,Value\nPARM, 3464, SYSID, 120\n";
   for (const std::string& text : {ardupilot, "ArduCopter V3.2\nFree RAM: 1\n" + ardupilot})
     EXPECT_THAT([&] { (void)read_bytes(text); },
-                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("f.log: is a text log of ArduPilot"),
-                                                  HasSubstr("mavlogdump"))));
+                ThrowsMessage<InvalidInput>(
+                    AllOf(HasSubstr("f.log: is an ArduPilot text log with several kinds of rows"),
+                          HasSubstr("mavlogdump"))));
   const std::vector<std::pair<std::string, std::string>> others = {
-      {"\xa3\x95\x80", "ArduPilot (DataFlash)"},
+      {"\xa3\x95\x80", "ArduPilot log (DataFlash)"},
       {"H Product:Blackbox flight data recorder\n", "Betaflight"},
-      {"#ROSBAG V2.0\n", "bag of ROS"},
-      {"\x1f\x8b\x08", "unpack it first"},
-      {"# a vehicle\nname = \"quad\"\n\n[body]\nmass_kg = 1\n", "file of settings"},
-      {"[[rotors]]\nx = 1\n", "file of settings"},
+      {"#ROSBAG V2.0\n", "ROS bag"},
+      {"\x1f\x8b\x08", "decompress it first"},
+      {"# a vehicle\nname = \"quad\"\n\n[body]\nmass_kg = 1\n", "settings file"},
+      {"[[rotors]]\nx = 1\n", "settings file"},
       {"{\n  \"time\": [0, 1]\n}\n", "is JSON"},
       {"<!doctype html>\n", "is a page"}};
   for (const auto& other : others)
@@ -322,7 +325,7 @@ TEST(TextLog, ReadsTablesWhoseHeaderLooksLikeASetting) {
 TEST(TextLog, RefusesWhatIsNoLog) {
   EXPECT_THAT([] { (void)read_bytes(""); }, ThrowsMessage<InvalidInput>(HasSubstr("is empty")));
   EXPECT_THAT([] { (void)read_bytes("1 2"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no whole line")));
+              ThrowsMessage<InvalidInput>(HasSubstr("no complete line")));
   EXPECT_THAT([] { (void)read_bytes(std::string("a\0b\n", 4)); },
               ThrowsMessage<InvalidInput>(HasSubstr("zero byte")));
   EXPECT_THAT([] { (void)read_bytes("t,x\n1\n2\n"); },
@@ -338,7 +341,7 @@ TEST(TextLog, RefusesWhatIsNoLog) {
   options.format = "replay";
   options.rate_hz = 3;
   EXPECT_THAT([&] { (void)read_bytes("1\n", options); },
-              ThrowsMessage<InvalidInput>(HasSubstr("they belong to text")));
+              ThrowsMessage<InvalidInput>(HasSubstr("apply to text only")));
 }
 
 TEST(TextLog, AHeadAloneIsALogWithoutRows) {
@@ -361,7 +364,7 @@ TEST(TextLog, ReadsTheProjectsOwnFlightLogs) {
   EXPECT_THAT(log.group("").time, ElementsAre(0, 0.005));
   EXPECT_TRUE(log.condition.whole());
   const WholeLog short_one = read_bytes(csv.substr(0, csv.rfind("0.005")));
-  EXPECT_THAT(short_one.condition.torn, HasSubstr("has 1 rows, expected 2 as its head says"));
+  EXPECT_THAT(short_one.condition.torn, HasSubstr("has 1 rows, expected 2 as its header states"));
 }
 
 TEST(UquadLog, FramesAddUpTheirTimes) {
@@ -400,10 +403,11 @@ TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
   EXPECT_THAT(log.group("imu").column("gyro_z"), ElementsAre(6, 7));
   EXPECT_THAT(log.group("odd").names(), ElementsAre("v[1]", "v[2]"));
   EXPECT_EQ(log.condition.skipped, 2U);
-  EXPECT_EQ(log.condition.first_skipped, "f.log:6: odd has 1 values, expected 2 as before");
+  EXPECT_EQ(log.condition.first_skipped,
+            "f.log:6: odd has 1 values, expected 2 as in previous lines");
 }
 
-// They were passed over without a word.
+// They used to be ignored without a message.
 TEST(TextLog, TellsOfNamesThatAreTooManyOrTooFew) {
   const WholeLog few = read_bytes("# t,x\n0,1,2\n1,2,3\n");
   EXPECT_THAT(few.group("").names(), ElementsAre("c1", "c2", "c3"));

@@ -61,9 +61,9 @@ TEST(Ulog, LeavesOutRecordsWhoseTimeWasNeverSet) {
   EXPECT_EQ(read.group("a").time.size(), 10U);
   EXPECT_THAT(read.group("a").time.back(), DoubleNear(0.9, 1e-12));
   EXPECT_THAT(read.group("b").column("x"), ElementsAre(2));
-  EXPECT_THAT(read.condition.notes,
-              ElementsAre("3 records are at time 0, which was never set, and left out, the first "
-                          "of 'b'"));
+  EXPECT_THAT(
+      read.condition.notes,
+      ElementsAre("3 records are at time 0 (clock not set) and left out, the first of 'b'"));
   // So it is where the clock counts from the start of the vehicle.
   UlogWriter since_boot = small();
   since_boot.data(0, row(600000000, 1)).data(0, row(0, 7)).data(0, row(600100000, 1));
@@ -149,7 +149,8 @@ TEST(Ulog, ATopicThatComesAgainWithOtherFieldsIsPassedOver) {
     const WholeLog read = read_bytes(log.bytes());
     EXPECT_THAT(read.group("a").column("x"), ElementsAre(5, 7)) << other;
     EXPECT_EQ(read.condition.skipped, 2U) << other;
-    EXPECT_THAT(read.condition.first_skipped, HasSubstr("topic 'a' comes again with other fields"))
+    EXPECT_THAT(read.condition.first_skipped,
+                HasSubstr("topic 'a' is subscribed again with different fields"))
         << other;
   }
   // With the same ones it goes on.
@@ -162,13 +163,13 @@ TEST(Ulog, RefusesWhatItDoesNotKnow) {
   UlogWriter later;
   later.message('B', std::string(8, '\0') + "\x02" + std::string(31, '\0'));
   EXPECT_THAT([&] { (void)read_bytes(later.bytes()); },
-              ThrowsMessage<InvalidInput>(HasSubstr("of a later kind of ULog")));
+              ThrowsMessage<InvalidInput>(HasSubstr("a newer version of ULog")));
   EXPECT_THAT([&] { (void)read_bytes(later.bytes().substr(0, 10)); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no whole header")));
+              ThrowsMessage<InvalidInput>(HasSubstr("no complete ULog header")));
   LogOptions options;
   options.format = "ulog";
   EXPECT_THAT([&] { (void)read_bytes("no", options); },
-              ThrowsMessage<InvalidInput>(HasSubstr("does not begin as a ULog")));
+              ThrowsMessage<InvalidInput>(HasSubstr("does not begin like a ULog")));
 }
 
 TEST(Ulog, ATornMessageIsTheEnd) {

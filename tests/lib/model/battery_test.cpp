@@ -45,7 +45,7 @@ TEST(Battery, FullAndWithoutLoadHasItsVoltage) {
   EXPECT_DOUBLE_EQ(voltage_ratio(three_cells(), state), 1.05);
 }
 
-// Beyond V₀²/4R the current is that of the greatest power, and no more.
+// Above V₀²/4R the current is that of the maximum power.
 TEST(Battery, GivesNoMorePowerThanItCan) {
   const Battery battery = three_cells();
   BatteryState<double> state = full_battery<double>(battery);
@@ -60,7 +60,7 @@ TEST(Battery, GivesNoMorePowerThanItCan) {
   EXPECT_DOUBLE_EQ(state.current, (1e5 / 0.6 + 3) / 12.6);
 }
 
-// What leaves the cells is what the motors draw and what the resistance heats.
+// The cells supply the power of the motors and the loss in the resistance.
 TEST(Battery, BalancesItsEnergy) {
   const Battery battery = three_cells();
   BatteryState<double> state = full_battery<double>(battery);

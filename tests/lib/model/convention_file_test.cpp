@@ -17,7 +17,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// World and body x forward, y left, z up, attitude first, in letters of its own.
+/// World and body x forward, y left, z up; attitude first; with different names.
 std::string up_and_left(const std::string& name) {
   return "name = \"" + name + R"("
 description = "x forward, y left, z up"
@@ -33,7 +33,7 @@ std::string with(std::string text, const std::string& before, const std::string&
   return text.replace(at, before.size(), after);
 }
 
-TEST(ConventionFile, SaysWhichStateIsWhich) {
+TEST(ConventionFile, MapsItsStatesToNed) {
   const Convention c = parse_convention(up_and_left("own"), "c.toml");
   EXPECT_EQ(c.states[1], (Signal{"theta", "rad"}));
   EXPECT_EQ(c.wrench[3], (Signal{"mz", "N m"}));
@@ -74,8 +74,8 @@ TEST(ConventionFile, IsKnownByItsNameOnceRead) {
           (void)add_convention(parse_convention(other, "c"), "other.toml");
         },
         ThrowsMessage<InvalidInput>(
-            AllOf(HasSubstr("other.toml: the convention '" + name + "' differs"),
-                  HasSubstr("expected another name"))));
+            AllOf(HasSubstr("other.toml: another convention with the name '" + name + "'"),
+                  HasSubstr("expected a different name"))));
 }
 
 TEST(ConventionFile, CanBeThatOfADesign) {
@@ -100,15 +100,18 @@ TEST(ConventionFile, RefusesWhatIsNoPermutation) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refused("theta = -pitch", "theta = -pich",
-          "c.toml:3: states: 'theta = -pich' names no signal of ned, expected one of px, py, pz, "
+          "c.toml:3: states: 'theta = -pich' does not name a signal of ned, expected one of px, "
+          "py, pz, "
           "roll, pitch, yaw, u, v, w, p, q, r; did you mean 'pitch'?");
-  refused("vy = -v", "vy = -u", "c.toml:4: states: 'vy = -u' uses u a second time, expected each");
-  refused("vy = -v", "vx = -v", "c.toml:4: states: 'vx = -v' defines a name a second time");
+  refused("vy = -v", "vy = -u",
+          "c.toml:4: states: 'vy = -u' uses u, which is already used; expected each");
+  refused("vy = -v", "vx = -v",
+          "c.toml:4: states: 'vx = -v' defines a name that is already defined");
   refused("\"vy = -v\"", "\"vy\"",
-          "c.toml:4: states: 'vy' is no definition, expected 'NAME = v' or 'NAME = -v'");
-  refused("vy = -v", "v y = -v", "is no definition");
+          "c.toml:4: states: 'vy' is not a definition, expected 'NAME = v' or 'NAME = -v'");
+  refused("vy = -v", "v y = -v", "is not a definition");
   refused("\"vy = -v\", ", "", "c.toml:3: states has 11 entries, expected 12, one for each of px");
-  refused("my = -tau_y", "my = -tau_x", "wrench: 'my = -tau_x' uses tau_x a second time");
+  refused("my = -tau_y", "my = -tau_x", "wrench: 'my = -tau_x' uses tau_x, which is already used");
   refused("wrench = [", "thrusts = [", "thrusts");
   refused("name = \"own\"", "name = \"my own\"", "c.toml:1: ");
   refused("description", "sign_law = \"minus\"\ndescription", "c.toml:2: no sign law 'minus'");

@@ -158,19 +158,19 @@ TEST(GroundContact, DoesNotPull) {
 TEST(GroundContact, HoldsInTheWindUpToItsFriction) {
   Vehicle vehicle = plus_quadrotor();
   vehicle.drag.linear = {1, 1, 0};
-  const double most = 0.6 * vehicle.mass * vehicle.gravity;
+  const double max = 0.6 * vehicle.mass * vehicle.gravity;
   for (const double share : {0.2, 0.5, 0.8, 1.5}) {
     Direct plant = on_the_ground(vehicle);
     Direct::State x = started(plant, at_rest(vehicle));
     plant.windy = true;
-    plant.wind = {share * most, 0, 0};  // 1 N s/m
+    plant.wind = {share * max, 0, 0};  // 1 N s/m
     for (int k = 0; k < 2000; ++k) x = plant.step(Integrator::bogacki_shampine_3, x, kStep);
     const double v = x(7);
     if (share > 1) {
       EXPECT_GT(v, 1);
       continue;
     }
-    EXPECT_NEAR(most * v / std::hypot(v, 0.05) + v, share * most, 1e-6);
+    EXPECT_NEAR(max * v / std::hypot(v, 0.05) + v, share * max, 1e-6);
     EXPECT_LT(v, 0.07);
     EXPECT_NEAR(x(2), vehicle.gravity / 3600, 1e-6);
   }

@@ -63,7 +63,7 @@ TEST(MassProperties, FollowsTheBodyThatMoves) {
   }
 }
 
-TEST(MassProperties, RefusesPartsThatAreNone) {
+TEST(MassProperties, RejectsInvalidParts) {
   EXPECT_THAT(
       [] {
         (void)mass_properties({{1, 1}, {-1, 0}});
@@ -73,13 +73,13 @@ TEST(MassProperties, RefusesPartsThatAreNone) {
   EXPECT_THROW((void)mass_properties({{1, -1}}), InvalidInput);
 }
 
-TEST(RequireInertia, NamesTheAxisThatBreaksTheTriangleInequality) {
+TEST(RequireInertia, ReportsTheAxisThatViolatesTheTriangleInequality) {
   EXPECT_THAT(
       [] { require_inertia(Eigen::Vector3d(1e-5, 2e-5, 4e-5).asDiagonal(), "file:3"); },
       ThrowsMessage<InvalidInput>(StrEq(
-          "file:3: inertia breaks the triangle inequality: about z it is 4e-05 kg m2, which "
-          "exceeds the sum of the other two, 3e-05, by 1e-05; expected at most the sum, as no "
-          "body has more")));
+          "file:3: inertia violates the triangle inequality: about z it is 4e-05 kg m2, which "
+          "exceeds the sum of the other two, 3e-05, by 1e-05; expected at most the sum, which no "
+          "rigid body exceeds")));
   EXPECT_NO_THROW(require_inertia(Eigen::Vector3d(1e-5, 2e-5, 3e-5).asDiagonal(), "a plate"));
 }
 

@@ -182,8 +182,7 @@ TEST(SpeedsForWrench, InvertsTheMapForAnyLayout) {
     for (int i = 0; i < 200; ++i) {
       Eigen::VectorXd w(n);
       for (Eigen::Index j = 0; j < n; ++j)
-        w(j) =
-            least_speed(vehicle) + share(random) * (greatest_speed(vehicle) - least_speed(vehicle));
+        w(j) = min_speed(vehicle) + share(random) * (max_speed(vehicle) - min_speed(vehicle));
       const Eigen::Vector4d wrench = wrench_of_speeds(vehicle, w);
       const MixResult result = speeds_for_wrench(vehicle, wrench);
       ASSERT_TRUE(result.solved()) << vehicle.name << ": " << result.culprit;
@@ -192,31 +191,31 @@ TEST(SpeedsForWrench, InvertsTheMapForAnyLayout) {
       if (n == 4) {
         EXPECT_THAT(result.w, MatrixRelativelyNear(w, 1e-9));
       }
-      EXPECT_GE(result.w.minCoeff(), least_speed(vehicle));
-      EXPECT_LE(result.w.maxCoeff(), greatest_speed(vehicle));
+      EXPECT_GE(result.w.minCoeff(), min_speed(vehicle));
+      EXPECT_LE(result.w.maxCoeff(), max_speed(vehicle));
     }
   }
 }
 
-TEST(SpeedsForWrench, SaysWhichRotorStopsItAndWhatIsMissing) {
+TEST(SpeedsForWrench, ReportsTheSaturatedRotorAndTheMissingWrench) {
   const Vehicle plus = ring(4, 0);
-  const double most = greatest_thrust(plus);
-  const MixResult result = speeds_for_wrench(plus, {most + 5, 0, 0, 0});
+  const double max = max_thrust(plus);
+  const MixResult result = speeds_for_wrench(plus, {max + 5, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
   EXPECT_NEAR(result.missing(0), 5, 1e-9);
-  EXPECT_THAT(result.culprit, HasSubstr("rotor 1 is at its greatest speed of 800 rad/s"));
+  EXPECT_THAT(result.culprit, HasSubstr("rotor 1 is at its maximum speed of 800 rad/s"));
   EXPECT_THAT(result.culprit, HasSubstr("missing 5 N of T"));
   EXPECT_EQ(result.w.maxCoeff(), 800);
 }
 
-TEST(SpeedsForWrench, SaturatesAtTheLeastSpeedToo) {
+TEST(SpeedsForWrench, SaturatesAtTheMinimumSpeed) {
   const MixResult result = speeds_for_wrench(ring(4, 0), {0, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
   EXPECT_THAT(result.culprit, HasSubstr("least speed of 50 rad/s"));
   Vehicle free = ring(4, 0);
   free.motor.min = 0;
   EXPECT_TRUE(speeds_for_wrench(free, {0, 0, 0, 0}).solved());
-  // Torque without thrust wants a rotor to push down, which none does.
+  // Torque without thrust would require a rotor with negative thrust.
   EXPECT_EQ(speeds_for_wrench(free, {0, 1, 0, 0}).status, MixStatus::saturated);
 }
 
@@ -232,7 +231,7 @@ TEST(SpeedsForWrench, SharesWhatARotorAtItsLimitCannotGive) {
   EXPECT_LE(result.w.maxCoeff(), 800);
 }
 
-TEST(SpeedsForWrench, SaysWhatALayoutCannotMake) {
+TEST(SpeedsForWrench, ReportsTheWrenchThatALayoutCannotProduce) {
   Vehicle two = ring(4, 0);
   two.rotors.erase(two.rotors.begin() + 3);
   two.rotors.erase(two.rotors.begin() + 1);
@@ -240,16 +239,15 @@ TEST(SpeedsForWrench, SaysWhatALayoutCannotMake) {
   const MixResult result = speeds_for_wrench(two, {10, 0.1, 0, 0});
   EXPECT_EQ(result.status, MixStatus::infeasible);
   EXPECT_THAT(result.culprit,
-              HasSubstr("the layout cannot make this wrench; missing 0.1 N m of tau_x"));
+              HasSubstr("the layout cannot produce this wrench; missing 0.1 N m of tau_x"));
   EXPECT_TRUE(speeds_for_wrench(two, {10, 0, 0, 0}).solved());
 }
 
 TEST(Mixer, RefusesWhatHasNoMatrix) {
   const Vehicle uquad = load_vehicle("uquad");
-  EXPECT_THAT(
-      [&] { (void)mixer_matrix(uquad); },
-      ThrowsMessage<InvalidInput>(HasSubstr("rotor 1 of 'uquad' has a thrust or torque that "
-                                            "is linear in speed")));
+  EXPECT_THAT([&] { (void)mixer_matrix(uquad); },
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "rotor 1 of 'uquad' has a thrust or torque with a linear term in speed")));
   EXPECT_THAT([&] { (void)allocation_matrix(uquad); },
               ThrowsMessage<InvalidInput>(HasSubstr("not proportional to its thrust")));
   EXPECT_THAT([&] { (void)command_per_thrust(uquad); },

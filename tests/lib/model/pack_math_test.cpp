@@ -95,16 +95,16 @@ TEST(PackMath, ArcFunctionsAreWithinTwoUnits) {
 
 TEST(PackMath, ArcTangentOfTwoKnowsItsQuadrant) {
   std::mt19937_64 random(3);
-  double most = 0;
+  double max = 0;
   for (int i = 0; i < 40000; ++i) {
     const double y = (i & 1 ? -1 : 1) * std::exp2(draw(random, -30, 30));
     const double x = (i & 2 ? -1 : 1) * std::exp2(draw(random, -30, 30));
     const Pack<4> packed = atan2(Pack<4>(y), Pack<4>(x));
     const double alone = lane(atan2(Pack<1>(y), Pack<1>(x)), 0);
     ASSERT_TRUE(same_bits(lane(packed, i % 4), alone));
-    most = std::max(most, ulps(alone, std::atan2(static_cast<long double>(y), x)));
+    max = std::max(max, ulps(alone, std::atan2(static_cast<long double>(y), x)));
   }
-  EXPECT_LT(most, 2.5);
+  EXPECT_LT(max, 2.5);
   const auto at = [](double y, double x) { return lane(atan2(Pack<1>(y), Pack<1>(x)), 0); };
   EXPECT_EQ(at(0, 1), 0);
   EXPECT_EQ(at(0, -1), kPi);

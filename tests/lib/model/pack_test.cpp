@@ -80,8 +80,8 @@ TYPED_TEST(PackOf, NumbersIsThatOfEachNumber) {
     EXPECT_LANES(a / b, x / y);
     EXPECT_LANES(-a, -x);
     EXPECT_LANES(+a, x);
-    EXPECT_LANES(lesser(a, b), lesser(x, y));
-    EXPECT_LANES(greater(a, b), greater(x, y));
+    EXPECT_LANES(min_of(a, b), min_of(x, y));
+    EXPECT_LANES(max_of(a, b), max_of(x, y));
     EXPECT_LANES(clamped(a, b, Pack<N>(b + Pack<N>(1))), clamped(x, y, y + 1));
     EXPECT_LANES(select(a < b, a, b), select(x < y, x, y));
     EXPECT_LANES(sqrt(a), std::sqrt(x));
@@ -113,9 +113,9 @@ TYPED_TEST(PackOf, NumbersComparesEachOfThem) {
     EXPECT_MASKS(a == b, x == y);
     EXPECT_MASKS(a != b, x != y);
     EXPECT_MASKS(is_finite(a), std::isfinite(x));
-    EXPECT_MASKS(both(a<b, b> Pack<N>(0)), x < y && y > 0);
-    EXPECT_MASKS(either(a<b, b> Pack<N>(0)), x < y || y > 0);
-    EXPECT_MASKS(negated(a < b), !(x < y));
+    EXPECT_MASKS(logical_and(a<b, b> Pack<N>(0)), x < y && y > 0);
+    EXPECT_MASKS(logical_or(a<b, b> Pack<N>(0)), x < y || y > 0);
+    EXPECT_MASKS(logical_not(a < b), !(x < y));
     EXPECT_MASKS(select(a<b, a> Pack<N>(0), b > Pack<N>(0)), x < y ? x > 0 : y > 0);
     bool some = false, every = true;
     for (int l = 0; l < N; ++l) {
@@ -127,7 +127,7 @@ TYPED_TEST(PackOf, NumbersComparesEachOfThem) {
   });
 }
 
-// The sign of a zero aside, as its docstring says.
+// Except for the sign of a zero, as documented.
 TYPED_TEST(PackOf, NumbersHasTheirMagnitudesAndNearestIntegers) {
   constexpr int N = TypeParam::value;
   for_all_pairs<N>([](Pack<N> a, Pack<N> b) {
@@ -135,11 +135,11 @@ TYPED_TEST(PackOf, NumbersHasTheirMagnitudesAndNearestIntegers) {
     for (int l = 0; l < N; ++l) {
       const double x = lane(a, l);
       if (std::isnan(x)) {
-        EXPECT_TRUE(std::isnan(lane(magnitude(a), l)));
+        EXPECT_TRUE(std::isnan(lane(abs_of(a), l)));
         EXPECT_TRUE(std::isnan(lane(nearest(a), l)));
         continue;
       }
-      EXPECT_EQ(lane(magnitude(a), l), std::abs(x));
+      EXPECT_EQ(lane(abs_of(a), l), std::abs(x));
       if (std::abs(x) < 2251799813685248.0) {
         EXPECT_EQ(lane(nearest(a), l), std::nearbyint(x));
       }

@@ -126,7 +126,7 @@ TEST(Plant, WindActsAsItsOwnOppositeMotion) {
   }
 }
 
-// An accelerometer feels v' + w × v - g of what the equations say.
+// An accelerometer measures v' + w × v - g according to the equations.
 TEST(Plant, SpecificForceIsWhatTheMotionShows) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 10; ++trial) {
@@ -213,7 +213,7 @@ TEST(Plant, AgreesWithItsLinearModelToSecondOrder) {
     }
 }
 
-// Several vehicles at once are each what they are alone, on the ground and in the air.
+// Several vehicles at once each move as they do alone, on the ground and in the air.
 TEST(Plant, EachLaneIsAVehicleOfItsOwn) {
   std::mt19937_64 random(5);
   std::array<RigidBody, 4> bodies;

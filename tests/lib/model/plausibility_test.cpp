@@ -15,7 +15,7 @@ constexpr double kRpm = 2 * std::numbers::pi / 60;
 
 TEST(Plausibility, FindsNothingInTheBuiltInVehicles) {
   for (const std::string& name : built_in_vehicles())
-    for (const Implausibility& figure : implausible(load_vehicle(name)))
+    for (const Implausibility& figure : find_implausible_values(load_vehicle(name)))
       ADD_FAILURE() << name << ": " << to_string(figure);
 }
 
@@ -28,8 +28,8 @@ struct Mistake {
   std::function<void(Vehicle&)> make;
 };
 
-// Each mistake in each vehicle in which it can be made is found, with its cause.
-TEST(Plausibility, FindsUnitsTakenForOthers) {
+// Each mistake is detected in each vehicle in which it is possible, with its cause.
+TEST(Plausibility, DetectsWrongUnits) {
   const std::vector<Mistake> mistakes = {
       {"g cm2", [](Vehicle& v) { v.inertia *= 1e7; }},
       {"kg cm2", [](Vehicle& v) { v.inertia *= 1e4; }},
@@ -84,7 +84,8 @@ TEST(Plausibility, FindsUnitsTakenForOthers) {
       Vehicle vehicle = load_vehicle(name);
       mistake.make(vehicle);
       std::string all;
-      for (const Implausibility& figure : implausible(vehicle)) all += to_string(figure) + "\n";
+      for (const Implausibility& figure : find_implausible_values(vehicle))
+        all += to_string(figure) + "\n";
       EXPECT_THAT(all, HasSubstr(mistake.cause)) << name;
     }
 }
@@ -98,33 +99,33 @@ TEST(Plausibility, FindsSpeedsInRpm) {
     scale(vehicle, &Rotor::torque_d2, kRpm * kRpm);
     scale(vehicle, &Rotor::torque_d1, kRpm);
     vehicle.motor.gain /= vehicle.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
-    const std::vector<Implausibility> found = implausible(vehicle);
+    const std::vector<Implausibility> found = find_implausible_values(vehicle);
     ASSERT_EQ(found.size(), 1) << name;
     EXPECT_THAT(found[0].quantity, HasSubstr("rotor speed at hover")) << name;
     EXPECT_THAT(found[0].cause, HasSubstr("rpm")) << name;
     // The limits alone.
     Vehicle limits = load_vehicle(name);
     limits.motor.gain /= limits.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
-    ASSERT_EQ(implausible(limits).size(), 1) << name;
-    EXPECT_THAT(implausible(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
-    EXPECT_GT(implausible(limits)[0].value, 100) << name;
+    ASSERT_EQ(find_implausible_values(limits).size(), 1) << name;
+    EXPECT_THAT(find_implausible_values(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
+    EXPECT_GT(find_implausible_values(limits)[0].value, 100) << name;
   }
 }
 
-// What is measured by a wrong figure is not told to be wrong itself.
+// A value that is compared with a wrong one is not reported itself.
 TEST(Plausibility, NamesTheWrongFigureAlone) {
   for (const std::string& name : built_in_vehicles()) {
     Vehicle heavy = load_vehicle(name), slow = load_vehicle(name);
     slow.inertia *= 1e7;
-    ASSERT_EQ(implausible(slow).size(), 1) << name;
-    EXPECT_THAT(implausible(slow)[0].quantity, HasSubstr("principal moment")) << name;
+    ASSERT_EQ(find_implausible_values(slow).size(), 1) << name;
+    EXPECT_THAT(find_implausible_values(slow)[0].quantity, HasSubstr("principal moment")) << name;
     heavy.mass *= 1000;
-    for (const Implausibility& found : implausible(heavy))
+    for (const Implausibility& found : find_implausible_values(heavy))
       EXPECT_THAT(found.quantity, ::testing::Not(HasSubstr("battery"))) << name;
   }
 }
 
-// Rounding and honest differences are not told: a factor of 2 in any figure.
+// Rounding and plausible differences are not reported: a factor of 2 in any value.
 TEST(Plausibility, LeavesRoomForOtherVehicles) {
   for (const char* name : {"mambo", "uquad", "crazyflie"})
     for (const double factor : {0.5, 2.0}) {
@@ -132,18 +133,18 @@ TEST(Plausibility, LeavesRoomForOtherVehicles) {
       vehicle.inertia *= factor;
       scale(vehicle, &Rotor::inertia, factor);
       for (Rotor& rotor : vehicle.rotors) rotor.position *= std::sqrt(factor);
-      EXPECT_TRUE(implausible(vehicle).empty())
-          << name << factor << to_string(implausible(vehicle).front());
+      EXPECT_TRUE(find_implausible_values(vehicle).empty())
+          << name << factor << to_string(find_implausible_values(vehicle).front());
     }
 }
 
-// A sensor in milliseconds, and one that no flown loop takes.
+// A sensor delay in milliseconds, and one that is too long for the analysis of a flown loop.
 TEST(Plausibility, FindsADelayInMilliseconds) {
   Vehicle vehicle = load_vehicle("mambo");
   vehicle.sensors.gyroscope->delay = 5;
   vehicle.sensors.flow->faults.delay = 0.21;
   vehicle.motor.delay = 20;
-  const std::vector<Implausibility> found = implausible(vehicle);
+  const std::vector<Implausibility> found = find_implausible_values(vehicle);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(to_string(found[0]),
             "delay of the gyroscope is 5 s, plausible is 1e-05 to 0.2 s: delay_s may be in ms");
@@ -151,7 +152,7 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   EXPECT_EQ(found[2].cause, "command_delay_s may be in ms");
 }
 
-TEST(Plausibility, TellsFigureRangeAndCause) {
+TEST(Plausibility, ReportsQuantityRangeAndCause) {
   EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
             "motor lag is 72 s, plausible is 0.001 to 0.5 s: lag_s may be in ms");
 }

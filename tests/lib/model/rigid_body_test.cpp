@@ -286,9 +286,9 @@ TEST(RigidBody, RefusesWhatHasNoEquations) {
   EXPECT_THAT(message([](Vehicle& v) { v.rotors.resize(17); }),
               ThrowsMessage<InvalidInput>(HasSubstr("17 rotors, expected 1 to 16")));
   EXPECT_THAT(message([](Vehicle& v) { v.inertia(0, 0) = -1; }),
-              ThrowsMessage<InvalidInput>(HasSubstr("inertia is not a symmetric positive")));
+              ThrowsMessage<InvalidInput>(HasSubstr("inertia is not symmetric and positive")));
   EXPECT_THAT(message([](Vehicle& v) { v.inertia(0, 1) = 1e-3; }),
-              ThrowsMessage<InvalidInput>(HasSubstr("inertia is not a symmetric positive")));
+              ThrowsMessage<InvalidInput>(HasSubstr("inertia is not symmetric and positive")));
   EXPECT_THAT([] { (void)RigidBody(plus_quadrotor(), -0.1); },
               ThrowsMessage<InvalidInput>(HasSubstr("density ratio is -0.1")));
 }

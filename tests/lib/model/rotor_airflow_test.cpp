@@ -190,7 +190,7 @@ void expect_that_wind_is_opposite_motion() {
     EXPECT_THAT(
         Vector3d(windy.derivative(x).template segment<3>(kBodyRates)),
         MatrixNear(Vector3d(still.derivative(seen).template segment<3>(kBodyRates)), 1e-10));
-    // And it is what the rigid body's own equations say.
+    // The equations of the rigid body give the same.
     const StateVector<double> e = euler_state(QuaternionState<double>(x.template head<13>()));
     const Vector3d v = e.segment<3>(kVelocity), rates = e.segment<3>(kRates);
     const StateVector<double> d =
@@ -308,8 +308,8 @@ TEST(RotorAirflow, IsReadAndRefused) {
   EXPECT_EQ(vehicle.rotors[1].inflow, 2e-5);
   EXPECT_EQ(vehicle.rotors[1].flapping, 3e-7);
   EXPECT_TRUE(vehicle.rotors[3].ground_effect);
-  EXPECT_TRUE(feels_wind(vehicle));
-  EXPECT_FALSE(feels_wind(plus_quadrotor()));
+  EXPECT_TRUE(has_aerodynamics(vehicle));
+  EXPECT_FALSE(has_aerodynamics(plus_quadrotor()));
   const auto refusal = [](const std::string& shared, const std::string& message) {
     EXPECT_THAT([&] { (void)parse_vehicle(vehicle_text(shared), "x.toml"); },
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));

@@ -114,13 +114,13 @@ noise_m = 0.03
   EXPECT_EQ(s.barometer->fall, -11);
   EXPECT_EQ(s.barometer->faults.noise(0), 2);
   EXPECT_EQ(s.sonar->faults.bias(0), 0.02);
-  EXPECT_EQ(s.sonar->least_range, 0.2);
-  EXPECT_EQ(s.sonar->greatest_range, 4);
-  EXPECT_EQ(s.sonar->greatest_tilt, 0.4);
+  EXPECT_EQ(s.sonar->min_range, 0.2);
+  EXPECT_EQ(s.sonar->max_range, 4);
+  EXPECT_EQ(s.sonar->max_tilt, 0.4);
   EXPECT_EQ(s.flow->faults.scale(1), 0.9);
   EXPECT_EQ(s.flow->half_field_x, 0.3);
   EXPECT_EQ(s.flow->half_field_y, 0.2);
-  EXPECT_EQ(s.flow->least_height, 0.5);
+  EXPECT_EQ(s.flow->min_height, 0.5);
   EXPECT_EQ(s.flow->simplified_rate_gain, 0.7);
   EXPECT_EQ(s.gps->position.rate, 5);
   EXPECT_THAT(s.gps->position.noise, MatrixNear(Vector3d(1, 1, 2), 0));
@@ -154,7 +154,7 @@ TEST(SensorFile, IdealSensorsKeepTheirRatesAlone) {
   EXPECT_EQ(after.accelerometer->natural_frequency, 0);
   EXPECT_EQ(after.accelerometer->limit, std::numeric_limits<double>::infinity());
   EXPECT_EQ(after.barometer->fall, before.barometer->fall);
-  EXPECT_EQ(after.flow->least_height, before.flow->least_height);
+  EXPECT_EQ(after.flow->min_height, before.flow->min_height);
   EXPECT_FALSE(after.gps);
 }
 
@@ -256,7 +256,7 @@ TEST(SensorFile, RefusesKeysItDoesNotKnow) {
     const std::string table = fmt::format("[sensors.{}]\n", sensor);
     expect_refusal(
         table + "scale = 1\n",
-        fmt::format("v.toml:19: [sensors.{}] has no key 'rate_Hz', expected one", sensor));
+        fmt::format("v.toml:19: [sensors.{}] has no key 'rate_Hz', which is required", sensor));
     expect_refusal(table + "rate_Hz = 9\ndelay_ms = 1\n",
                    fmt::format("v.toml:21: key 'delay_ms' in [sensors.{}] is not known, expected "
                                "'delay_s' (the unit is part of the key)",
@@ -351,7 +351,7 @@ TEST(BatteryFile, RefusesWhatIsNoBattery) {
     expect_refusal(text.substr(0, at) + key + " = 0" + text.substr(end),
                    fmt::format("v.toml:{}: {} in [battery] is 0, expected more than 0", line, key));
     expect_refusal(text.substr(0, at) + text.substr(end + 1),
-                   fmt::format("v.toml:19: [battery] has no key '{}', expected one", key));
+                   fmt::format("v.toml:19: [battery] has no key '{}', which is required", key));
   }
   expect_refusal(kBattery + "regulated = 1\n",
                  "v.toml:23: regulated in [battery] is 1, expected true or false");

@@ -51,8 +51,8 @@ TEST(VehicleSpread, AddsWhatACampaignDoesNotVary) {
   const Distribution& thrust = uncertainty.numbers[4].distribution;
   EXPECT_EQ(thrust.first, 1);
   EXPECT_EQ(thrust.second, 0.1);
-  EXPECT_DOUBLE_EQ(thrust.least, 0.7);
-  EXPECT_DOUBLE_EQ(thrust.most, 1.3);
+  EXPECT_DOUBLE_EQ(thrust.min, 0.7);
+  EXPECT_DOUBLE_EQ(thrust.max, 1.3);
   EXPECT_EQ(uncertainty.correlation(0, 1), 0.5);
   EXPECT_EQ(uncertainty.correlation.rows(), 6);
   EXPECT_EQ(uncertainty.correlation(5, 5), 1);

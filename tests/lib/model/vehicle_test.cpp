@@ -187,7 +187,7 @@ TEST(VehicleFile, AcceptsMeasuredMomentsWithinTheirTolerance) {
   EXPECT_THROW((void)parse(plus_with(4, moments + "\ninertia_tolerance = 0.5")), InvalidInput);
 }
 
-// A vehicle that is too heavy for its rotors is one all the same: the trim says so.
+// A vehicle that is too heavy for its rotors is valid; trim() reports it.
 TEST(VehicleFile, AcceptsAVehicleThatCannotHover) {
   EXPECT_EQ(parse(plus_with(3, "mass_kg = 1000")).mass, 1000);
 }
@@ -221,12 +221,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"MissingKey", without_lines(3, 3), "v.toml:2: [body] has no key 'mass_kg'"},
         Refusal{"MissingBody", without_lines(2, 4), "the file has no key 'body'"},
         Refusal{"DuplicateKey", plus_with(4, "mass_kg = 2"),
-                "v.toml:4: key 'mass_kg' stands twice, expected once"},
+                "v.toml:4: key 'mass_kg' is defined twice, expected once"},
         Refusal{"NegativeMass", plus_with(3, "mass_kg = -1"),
                 "v.toml:3: mass_kg in [body] is -1, expected more than 0"},
         Refusal{"NaNMass", plus_with(3, "mass_kg = nan"), "v.toml:3: mass_kg in [body] is nan"},
         Refusal{"TriangleInequality", plus_with(4, "inertia_kg_m2 = [1, 1, 3]"),
-                "v.toml:4: inertia breaks the triangle inequality: about z it is 3 kg m2, which "
+                "v.toml:4: inertia violates the triangle inequality: about z it is 3 kg m2, which "
                 "exceeds the sum of the other two, 2, by 1"},
         Refusal{"AsymmetricInertia",
                 plus_with(4, "inertia_kg_m2 = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]"),
@@ -244,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(
                   return text;
                 }(),
                 "rotors cannot balance yaw: all 4 turn clockwise, which leaves 0.196 N m of drag "
-                "torque in hover, expected both senses of spin"},
+                "torque in hover, expected both spin directions"},
         Refusal{"Spin", plus_with(14, "spin = 'left'"),
                 "v.toml:14: spin in [[rotors]] 1 is 'left', expected 'cw'"},
         Refusal{"Position", plus_with(13, "position_m = [0.3, 0]"),
@@ -259,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "v.toml:7: lag_s in [rotor] is -1, expected 0 or more"},
         Refusal{"NoThrustAtFullSpeed",
                 plus_with(6, "thrust_a2_N_s2_per_rad2 = 5e-5\nthrust_a1_N_s_per_rad = -1"),
-                "rotor 1 gives -392 N at its greatest speed of 400 rad/s, expected more than 0"},
+                "rotor 1 gives -392 N at its maximum speed of 400 rad/s, expected more than 0"},
         Refusal{"Limits", plus_with(11, "max_rad_s = 40"),
                 "v.toml:11: max_rad_s in [motor] is 40, expected more than min_rad_s, 50"},
         Refusal{"LimitsInCounts", plus_with(11, "max_count = 400"),
@@ -277,7 +277,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "have their centre of mass at [0.1, 0, 0] m, expected [0, 0, 0]"},
         Refusal{"GeometryMass",
                 plus_with(4, "geometry = { spheres = [{ mass_kg = 2, radius_m = 0.1 }] }"),
-                "v.toml:3: mass_kg in [body] is 1 but the parts of [body.geometry] weigh 2 kg"},
+                "v.toml:3: mass_kg in [body] is 1 but the total mass of the parts of "
+                "[body.geometry] is 2 kg"},
         Refusal{"Name", plus_with(1, "name = ''"),
                 "v.toml:1: name is '', expected 1 to 64 letters"},
         Refusal{"Density", plus_with(2, "[environment]\nair_density_kg_per_m3 = 0\n[body]"),
@@ -294,7 +295,7 @@ TEST(LoadVehicle, SuggestsTheNearestName) {
               ThrowsMessage<FileError>(StrEq("no/such.toml: No such file or directory")));
 }
 
-// What is cut off in the middle is a vehicle or bad input, never anything else.
+// A truncated file is either a valid vehicle or InvalidInput, never another outcome.
 TEST(VehicleFile, EveryPrefixIsAVehicleOrBadInput) {
   std::vector<std::string> texts = {joined(kPlus)};
   for (const std::string& name : built_in_vehicles()) texts.push_back(load_vehicle(name).text);

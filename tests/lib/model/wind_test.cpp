@@ -174,15 +174,15 @@ TEST(Wind, TurbulencePassesWithTheAirspeed) {
 TEST(Wind, WordsHaveTheMeanWindOfTheirTurbulence) {
   for (const auto& [word, speed] : std::vector<std::pair<const char*, double>>{
            {"light", 7.7}, {"moderate", 15.4}, {"severe", 23.2}}) {
-    const Wind wind = wind_of_words(word, "--wind");
+    const Wind wind = parse_wind(word, "--wind");
     EXPECT_EQ(wind.turbulence, speed);
     EXPECT_EQ(wind.mean, Vector3d(speed, 0, 0));
     // L across is 19.685/0.1932^1.2 ft = 43.2 m, L up 6 m.
     EXPECT_THAT(dryden_numbers(wind).tau,
                 MatrixNear(Vector3d(43.15 / speed, 43.15 / speed, 6 / speed), 1e-2));
   }
-  EXPECT_EQ(wind_of_words("calm", "--wind").mean, Vector3d(0, 0, 0));
-  EXPECT_EQ(wind_of_words("turbulence=5", "--wind").mean, Vector3d(0, 0, 0));
+  EXPECT_EQ(parse_wind("calm", "--wind").mean, Vector3d(0, 0, 0));
+  EXPECT_EQ(parse_wind("turbulence=5", "--wind").mean, Vector3d(0, 0, 0));
 }
 
 TEST(Wind, EachLaneHasItsOwn) {
@@ -212,18 +212,19 @@ TEST(Wind, RefusesWhatIsNoWind) {
   const double nan = std::nan("");
   refusal([](Wind& w) { w.turbulence = -1; }, "wind: turbulence is -1 m/s, expected 0 or more");
   refusal([&](Wind& w) { w.turbulence = nan; }, "wind: turbulence is nan m/s, expected 0 or more");
-  refusal([](Wind& w) { w.turbulence_height = 2; },
-          "wind: the turbulence's height is 2 m, expected 3 to 300 m, where its scales are known");
+  refusal(
+      [](Wind& w) { w.turbulence_height = 2; },
+      "wind: the height of the turbulence is 2 m, expected 3 to 300 m, where its scales are known");
   refusal([&](Wind& w) { w.mean.y() = nan; },
-          "wind: a velocity is not finite, expected numbers of m/s");
+          "wind: a velocity is not finite, expected finite numbers [m/s]");
   refusal([](Wind& w) { w.gust.velocity.x() = INFINITY; },
-          "wind: a velocity is not finite, expected numbers of m/s");
+          "wind: a velocity is not finite, expected finite numbers [m/s]");
   refusal(
       [](Wind& w) { w.gust.length = 0; },
-      "wind: the gust begins at 0 s and lasts 0 s, expected a time and a length of more than 0");
+      "wind: the gust begins at 0 s and lasts 0 s, expected a finite time and a positive duration");
   refusal([&](Wind& w) { w.gust.start = nan; },
-          "wind: the gust begins at nan s and lasts 1 s, expected a time and a length of more than "
-          "0");
+          "wind: the gust begins at nan s and lasts 1 s, expected a finite time and a positive "
+          "duration");
 }
 
 }  // namespace

@@ -244,12 +244,11 @@ TEST(Campaign, DamageIsNamedAndFlownAgain) {
   directory.write("00000.flights", flipped);
   EXPECT_FALSE(shard_state(folder, 0).complete);
   EXPECT_THAT(shard_state(folder, 0).damage,
-              ElementsAre("00000.flights: record 5 of 16 is not as it was written (wrong "
-                          "checksum)"));
+              ElementsAre("00000.flights: record 5 of 16 is damaged (wrong checksum)"));
   EXPECT_THAT([&] { (void)read_shard(folder, 0); },
-              ThrowsMessage<InvalidInput>(HasSubstr("00000.flights: record 5 of 16 is not as it "
-                                                    "was written (wrong checksum); `campaign "
-                                                    "work` with --shard 0 flies what is missing")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("00000.flights: record 5 of 16 is damaged (wrong checksum); `campaign "
+                            "work` with --shard 0 flies what is missing")));
   ShardWork work = fly_shard(campaign, folder, 0, 1);
   EXPECT_EQ(work.found, 15);
   EXPECT_EQ(work.flown, 1);
@@ -268,7 +267,7 @@ TEST(Campaign, DamageIsNamedAndFlownAgain) {
   directory.write("00000.flights", right.substr(0, 64 + 3 * kRecord) + right.substr(64, kRecord) +
                                        right.substr(64 + 4 * kRecord));
   EXPECT_THAT(shard_state(folder, 0).damage,
-              ElementsAre("00000.flights: record 4 of 16 is of flight 0, expected another"));
+              ElementsAre("00000.flights: record 4 of 16 belongs to flight 0, expected another"));
   work = fly_shard(campaign, folder, 0, 1);
   EXPECT_EQ(work.found, 15);
   EXPECT_EQ(directory.read("00000.flights"), right);
@@ -395,7 +394,7 @@ TEST(Campaign, RefusesWhatCannotBeFlown) {
               ThrowsMessage<InvalidInput>(
                   HasSubstr("c.toml: designed in hover: vision_noise: the vehicle 'mambo'")));
   EXPECT_THAT([&] { (void)setup_of(small_campaign(4), 8); },
-              ThrowsMessage<InvalidInput>(HasSubstr("flight: 8 came, expected 0 to 7")));
+              ThrowsMessage<InvalidInput>(HasSubstr("flight: the number is 8, expected 0 to 7")));
 }
 
 // It flew on, for hours, and wrote into a file that nobody could find.

@@ -83,21 +83,21 @@ TEST(CommandDelay, JittersEvenlyAndKeepsTheOrder) {
   EXPECT_TRUE(line.active());
   EXPECT_FALSE((CommandDelay<1>(0, 0, 64).active()));
   const int count = 20000;
-  double sum = 0, square = 0, least = 1, most = 0;
+  double sum = 0, square = 0, min = 1, max = 0;
   for (int k = 0; k < count; ++k) {  // each alone on its way
     line.send(static_cast<std::uint64_t>(k), k * 1.0, RotorSpeeds<Pack<1>>::Constant(1, k), source);
     const double late = line.next() - k;
     EXPECT_EQ(lane(line.take()(0), 0), k);
     sum += late;
     square += late * late;
-    least = std::min(least, late);
-    most = std::max(most, late);
+    min = std::min(min, late);
+    max = std::max(max, late);
   }
   const double mean = sum / count;
   EXPECT_NEAR(mean, 0.004, 4 * 0.004 / std::sqrt(12.0 * count));
   EXPECT_NEAR(square / count - mean * mean, 0.004 * 0.004 / 12, 2e-7);
-  EXPECT_GE(least, 0.002);
-  EXPECT_LE(most, 0.006 + 1e-9);
+  EXPECT_GE(min, 0.002);
+  EXPECT_LE(max, 0.006 + 1e-9);
   double before = 0;
   for (int k = 0; k < 100; ++k)  // many at once: none overtakes
     line.send(static_cast<std::uint64_t>(k), 0.0005 * k, RotorSpeeds<Pack<1>>::Constant(1, k),
@@ -146,10 +146,10 @@ TEST(CommandDelay, IsReadAndRefused) {
   refusal("command_delay_s = \"late\"", "command_delay_s in [motor] is");
   refusal("command_jitter_s = 11",
           "command_jitter_s in [motor] is 11, expected 0 or more and 10 or less");
-  EXPECT_THAT([] { (void)fly(one_motor(0.201, 0)); },
-              ThrowsMessage<InvalidInput>(
-                  StrEq("flight: the commands are late by 0.201 s and jitter by 0 s, expected 0 to "
-                        "40 control periods of 0.005 s together")));
+  EXPECT_THAT(
+      [] { (void)fly(one_motor(0.201, 0)); },
+      ThrowsMessage<InvalidInput>(StrEq("flight: the command delay is 0.201 s and its jitter 0 s, "
+                                        "expected a sum of 0 to 40 control periods of 0.005 s")));
   EXPECT_NO_THROW(validate(one_motor(0.2, 0)));
 }
 

@@ -143,7 +143,7 @@ Methods fly_by_both(FlightSetup setup, double from) {
     if (phase == FlightPhase::flying) sum -= z;
     for (const FlightResult* flight : {&result.euler, &result.tustin}) {
       const double T = column(*flight, "command.T")[k];
-      if (T <= 0 || T >= settings.greatest_thrust || phase != FlightPhase::flying) force = 0;
+      if (T <= 0 || T >= settings.max_thrust || phase != FlightPhase::flying) force = 0;
     }
     z += w * kControlPeriod + force / setup.vehicle.mass * kControlPeriod * kControlPeriod / 2;
     w += force / setup.vehicle.mass * kControlPeriod;

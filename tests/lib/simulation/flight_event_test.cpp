@@ -134,11 +134,12 @@ TEST(FlightEvent, RefusesWhatCannotHappen) {
           "thrust_share in [[event]] 1 is 1.2, expected 0 or more and 1 or less");
   refusal("at_s = 1\nload_kg = 1\nthrust_share = 1\n",
           "[[event]] 1 has thrust_share without motor, expected the motor");
-  refusal("at_s = 1\nload_kg = 0\n", "event 1: its load is 0 kg, expected a number that is not 0");
+  refusal("at_s = 1\nload_kg = 0\n",
+          "event 1: its load is 0 kg, expected a nonzero number: positive");
   refusal("at_s = 5\nload_kg = 1\n",
           "event 1: its time is 5 s, expected 0 to the mission's duration, 4 s");
   refusal("at_s = 2\nload_kg = 1\n[[event]]\nat_s = 1\nload_kg = 1\n",
-          "event 2: its time is 1 s, expected no less than that of the event before, 2 s");
+          "event 2: its time is 1 s, expected at least that of the event before, 2 s");
   EXPECT_THAT(
       [] {
         (void)parse_mission(
@@ -146,12 +147,13 @@ TEST(FlightEvent, RefusesWhatCannotHappen) {
             "[[event]]\nat_s = 1\nload_kg = 1\n",
             "x.toml");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("[event] in a mission where the vehicle is carried")));
+      ThrowsMessage<InvalidInput>(
+          HasSubstr("[event] is not allowed in a mission in which the vehicle is carried")));
   const auto unfit = [](const std::string& events, const std::string& message) {
     EXPECT_THAT([&] { validate(flight(events)); }, ThrowsMessage<InvalidInput>(StrEq(message)));
   };
   unfit("[[event]]\nat_s = 1\nmotor = 5\nthrust_share = 0\n",
-        "mission 'upset': event 1: its motor is 5, expected 1 to 4, as 'mambo' has no more");
+        "mission 'upset': event 1: its motor is 5, expected 1 to 4, the motors of 'mambo'");
   unfit("[[event]]\nat_s = 1\nload_kg = 0.01\n[[event]]\nat_s = 2\nload_kg = -0.08\n",
         "mission 'upset': event 2: 'mambo' weighs -0.007 kg after dropping 0.08 kg, expected more "
         "than 0");

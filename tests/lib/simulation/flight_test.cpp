@@ -377,7 +377,7 @@ TEST_P(SafetyExits, EndTheFlight) {
 INSTANTIATE_TEST_SUITE_P(
     Each, SafetyExits,
     ::testing::Values(
-        Exit{"Tilt", "tilt", "the believed attitude is tilted by more than 0.5 rad",
+        Exit{"Tilt", "tilt", "the estimated attitude is tilted by more than 0.5 rad",
              [](FlightSetup& s) {
                s.safety.tilt = 0.5;
                s.mission = load_mission("step-east");
@@ -404,7 +404,7 @@ INSTANTIATE_TEST_SUITE_P(
                battery.empty_voltage = 4;
                s.vehicle.battery = battery;
              }},
-        Exit{"FlowLost", "flow-lost", "no optical flow came",
+        Exit{"FlowLost", "flow-lost", "no optical flow arrived",
              [](FlightSetup& s) { s.vehicle.sensors.flow->faults.dropout = 1; }},
         Exit{"Disagreement", "disagreement", "optical flow and estimated velocity differ",
              [](FlightSetup& s) {
@@ -535,7 +535,7 @@ TEST(Fly, RefusesWhatCannotBeFlown) {
         s.flown = s.vehicle;
         s.flown->rotors.pop_back();
       },
-      "flight: the vehicle flown has 3 rotors, the one believed 4, expected as many");
+      "flight: the true vehicle has 3 rotors and the vehicle model 4, expected equal numbers");
   refusal([](FlightSetup& s) { s.environment.wind.turbulence = -1; }, "wind: turbulence is -1 m/s");
   refusal([](FlightSetup& s) { s.vehicle.mass = 0; }, "vehicle 'mambo': mass is 0 kg");
   refusal(
@@ -543,7 +543,7 @@ TEST(Fly, RefusesWhatCannotBeFlown) {
         s.flown = s.vehicle;
         s.flown->inertia(2, 2) = -1;
       },
-      "vehicle 'mambo': inertia is not a symmetric positive definite matrix");
+      "vehicle 'mambo': inertia is not symmetric and positive definite");
   refusal(
       [](FlightSetup& s) {
         std::get<CascadeController>(s.controller).gains.loops[0].Kp = std::nan("");
@@ -555,7 +555,7 @@ TEST(Fly, RefusesWhatCannotBeFlown) {
         controller.dt = 0.01;
         s.controller = controller;
       },
-      "gains: their sample period is 0.005 s, expected 0.01 s");
+      "gains: the sample period is 0.005 s, expected 0.01 s");
   refusal([](FlightSetup& s) { s.mission.start.start_up = -1; }, "mission 'hover': ");
   refusal(
       [](FlightSetup& s) {

@@ -120,7 +120,7 @@ TEST(MissionFile, ReadsLimitsInTheMetricsOrder) {
       kHover + "[limits]\ntilt_max_rad = 0.3\nsettling_time_max_s = 4\novershoot_max = 0.2\n");
   ASSERT_EQ(mission.limits.size(), 3u);
   EXPECT_EQ(mission.limits[0].metric, Metric::settling_time);
-  EXPECT_EQ(mission.limits[0].most, 4);
+  EXPECT_EQ(mission.limits[0].max, 4);
   EXPECT_EQ(mission.limits[1].metric, Metric::overshoot);
   EXPECT_EQ(mission.limits[2].metric, Metric::tilt_max);
 }
@@ -256,7 +256,7 @@ TEST(MissionFile, RefusesEveryKeyTwice) {
   for_each_key([](const auto& lines, std::size_t i, const std::string& key, const std::string&) {
     EXPECT_THAT(message_of(lines, i, lines[i] + "\n" + lines[i]),
                 AllOf(StartsWith("m.toml:" + std::to_string(i + 2) + ": "),
-                      HasSubstr("key '" + key + "' stands twice, expected once")));
+                      HasSubstr("key '" + key + "' is defined twice, expected once")));
   });
 }
 
@@ -372,10 +372,10 @@ INSTANTIATE_TEST_SUITE_P(
     All, MissionRefusals,
     ::testing::Values(
         Refusal{"NothingToDo", kHead + kAir,
-                "m.toml:1: the file has nothing to do, expected one of hover, references, csv, "
-                "waypoints, line, circle, lemniscate, keys, motors"},
+                "m.toml:1: the file does not define a motion, expected one of hover, references, "
+                "csv, waypoints, line, circle, lemniscate, keys, motors"},
         Refusal{"TwoThings", kHover + "[keys]\nheight_m = 1\n",
-                "m.toml:8: the file has both 'hover' and 'keys', expected one thing to do"},
+                "m.toml:8: the file has both 'hover' and 'keys', expected one of them"},
         Refusal{
             "MisspeltTable", kHead + kAir + "[hovr]\nheight_m = 1\n",
             "m.toml:6: key 'hovr' is not known, expected one of name, description, duration_s, "
@@ -389,8 +389,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"EmptyMotors", "motors = []\n" + kHead,
                 "m.toml:1: [[motors]] is empty, expected at least one"},
         Refusal{"Name", "name = 'a b'\nduration_s = 20\n",
-                "m.toml:1: name is 'a b', expected 1 to 64 letters, digits, '.', '_' or '-', as it "
-                "names files"},
+                "m.toml:1: name is 'a b', expected 1 to 64 letters, digits, '.', '_' or '-' "
+                "because it is used in file names"},
         Refusal{"Duration", "name = 'm'\nduration_s = 0\n",
                 "m.toml:2: duration_s is 0, expected more than 0 and 86400 or less"},
         Refusal{"StartWord", kHead + "[start]\nat = 'roof'\n[hover]\nheight_m = 1\n",
@@ -412,23 +412,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "m.toml:7: height_m in [hover] is -1, expected 0 or more and 100000 or less"},
         Refusal{"FirstReferenceLater", kHead + kAir + "[[references]]\nat_s = 1\nheight_m = 1\n",
                 "m.toml:7: [[references]] 1 is not complete at 0 s, expected at_s = 0 without a "
-                "ramp, as a flight needs a reference from its beginning"},
+                "ramp because a flight needs a reference from its beginning"},
         Refusal{"FirstReferenceRamp",
                 kHead + kAir + "[[references]]\nat_s = 0\nramp_s = 1\nheight_m = 1\n",
                 "m.toml:8: [[references]] 1 is not complete at 0 s, expected at_s = 0 without a "
-                "ramp, as a flight needs a reference from its beginning"},
+                "ramp because a flight needs a reference from its beginning"},
         Refusal{"TimesGoBack",
                 kHead + kAir +
                     "[[references]]\nat_s = 0\nheight_m = 1\n[[references]]\nat_s = 3\nramp_s = 2\n"
                     "north_m = 1\n[[references]]\nat_s = 4\nnorth_m = 2\n",
-                "m.toml:14: at_s in [[references]] 3 is 4, expected later, as the reference before "
-                "is complete at 5 s"},
+                "m.toml:14: at_s in [[references]] 3 is 4, expected later because the previous "
+                "reference is complete at 5 s"},
         Refusal{"TwoStepsAtOnce",
                 kHead + kAir +
                     "[[references]]\nat_s = 0\nheight_m = 1\n[[references]]\nat_s = 0\n"
                     "height_m = 2\n",
-                "m.toml:10: at_s in [[references]] 2 is 0, expected later, as the reference before "
-                "is complete at 0 s"},
+                "m.toml:10: at_s in [[references]] 2 is 0, expected later because the previous "
+                "reference is complete at 0 s"},
         Refusal{"ChangesNothing",
                 kHead + kAir + "[[references]]\nat_s = 0\nheight_m = 1\n[[references]]\nat_s = 1\n",
                 "m.toml:9: [[references]] 2 changes nothing, expected north_m, east_m, height_m or "
@@ -442,8 +442,7 @@ INSTANTIATE_TEST_SUITE_P(
                 kHead + kAir +
                     "[waypoints]\npoints_m = [\n  [0, 0, 1],\n  [1, 0, 1],\n  [1, 0, 1],\n]\n"
                     "look_ahead_m = 1\ntransition_radius_m = 1\n",
-                "m.toml:10: waypoints 2 and 3 are the same point, expected points that differ, as "
-                "nothing leads from one to the other"},
+                "m.toml:10: waypoints 2 and 3 are the same point, expected points that differ"},
         Refusal{"OneWaypoint",
                 kHead + kAir +
                     "[waypoints]\npoints_m = [[0, 0, 1]]\nlook_ahead_m = 1\n"
@@ -472,19 +471,20 @@ INSTANTIATE_TEST_SUITE_P(
                     "[line]\nfrom_m = [0, 0, 1]\nto_m = [9, 0, 1]\nspeed_m_per_s = 1\n"
                     "nose = 'ahead'\nyaw_rad = 1\n",
                 "m.toml:11: [line] has both nose = 'ahead' and yaw_rad, expected one of them"},
-        Refusal{"NoLine",
-                kHead + kAir + "[line]\nfrom_m = [0, 0, 1]\nto_m = [0, 0, 1]\nspeed_m_per_s = 1\n",
-                "m.toml:6: the line's first and last points are the same, expected two points"},
+        Refusal{
+            "NoLine",
+            kHead + kAir + "[line]\nfrom_m = [0, 0, 1]\nto_m = [0, 0, 1]\nspeed_m_per_s = 1\n",
+            "m.toml:6: the line's first and last points are the same, expected different points"},
         Refusal{"NoseOfAVerticalLine",
                 kHead + kAir +
                     "[line]\nfrom_m = [0, 0, 1]\nto_m = [0, 0, 9]\nspeed_m_per_s = 1\n"
                     "nose = 'ahead'\n",
-                "m.toml:6: the line goes straight up or down, expected a fixed nose, as it has no "
+                "m.toml:6: the line is vertical, expected a fixed nose because the line has no "
                 "heading"},
         Refusal{"ShortLine",
                 kHead + kAir + "[line]\nfrom_m = [0, 0, 1]\nto_m = [1, 0, 1]\nspeed_m_per_s = 2\n",
-                "m.toml:6: the path takes 0.5 s at full speed, which is shorter than its ramp of 1 "
-                "s, expected a longer path, less speed or a shorter ramp"},
+                "m.toml:6: the path takes 0.5 s at full speed, which is less than its ramp of 1 s, "
+                "expected a longer path, a lower speed or a shorter ramp"},
         Refusal{"LineOfTwo", kHead + kAir + "[line]\nfrom_m = [0, 0]\n",
                 "m.toml:7: from_m in [line] has 2 numbers, expected 3 (north, east, height)"},
         Refusal{"Radius", kHead + kAir + "[circle]\nheight_m = 1\nradius_m = 0\n",
@@ -519,11 +519,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"MotorsOverlap",
                 kHead + "[[motors]]\nat_s = 1\nfor_s = 2\nmotors = [1]\nshare = 0.1\n[[motors]]\n"
                         "at_s = 2\nfor_s = 1\nmotors = [2]\nshare = 0.1\n",
-                "m.toml:9: at_s in [[motors]] 2 is 2, expected 3 or more, when the run before has "
-                "ended"},
+                "m.toml:9: at_s in [[motors]] 2 is 2, expected 3 or more, when the previous run "
+                "has ended"},
         Refusal{"MotorsInTheAir",
                 kHead + kAir + "[[motors]]\nat_s = 1\nfor_s = 2\nmotors = [1]\nshare = 0.1\n",
-                "m.toml:3: [start] in a mission where motors run without a law, expected none"},
+                "m.toml:3: [start] is not allowed in a mission in which motors run without a law"},
         Refusal{"CarriedHover", "carried = true\n" + kHead + "[hover]\nheight_m = 1\n",
                 "m.toml:1: a vehicle is carried along 'hover', expected line, circle or "
                 "lemniscate"},
@@ -531,7 +531,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "carried = true\n" + kHead +
                     "[line]\nfrom_m = [0, 0, 1]\nto_m = [9, 0, 1]\nspeed_m_per_s = 1\n[landing]\n"
                     "at_s = 3\n",
-                "m.toml:8: [landing] in a mission where the vehicle is carried, expected none"},
+                "m.toml:8: [landing] is not allowed in a mission in which the vehicle is carried"},
         Refusal{"CarriedWord", "carried = 'yes'\n" + kHead + "[hover]\nheight_m = 1\n",
                 "m.toml:1: carried is the string 'yes', expected true or false"},
         Refusal{"LandsBeforeItFlies", kHead + "[hover]\nheight_m = 1\n[landing]\nat_s = 1\n",
@@ -662,7 +662,7 @@ TEST(ScriptCsv, IsNamedByTheMissionThatHasNone) {
   EXPECT_THAT([] { (void)parse_mission(kCsvMission, "m.toml", "/no/such"); },
               ThrowsMessage<InvalidInput>(
                   StrEq("m.toml:7: the references cannot be read (/no/such/path.csv: No such file "
-                        "or directory), expected a file beside the mission's")));
+                        "or directory), expected a file next to the mission file")));
   for (const std::string name : {"../path.csv", "/dev/zero", "a b", ""})
     EXPECT_THAT(
         [&] { (void)parse(fmt::format("{}{}[csv]\nfile = '{}'\n", kHead, kAir, name)); },
@@ -685,22 +685,20 @@ TEST(ScriptCsv, RefusesWithFileAndLine) {
     }
     return "nothing";
   };
-  EXPECT_EQ(refusal(""), "path.csv: has no rows, expected a line of names and a row for each time");
+  EXPECT_EQ(refusal(""), "path.csv: has no rows, expected a line of names and one row per time");
   EXPECT_EQ(refusal("t_s,height_m\n# none\n"),
-            "path.csv: has no rows, expected a line of names and a row for each time");
+            "path.csv: has no rows, expected a line of names and one row per time");
   EXPECT_EQ(refusal("t,height_m\n0,1\n"),
-            "path.csv:1: column 't' is not known, expected some of t_s, north_m, east_m, height_m, "
+            "path.csv:1: column 't' is unknown, expected some of t_s, north_m, east_m, height_m, "
             "yaw_rad, separated by commas");
   EXPECT_EQ(refusal("\nt_s,hight_m\n0,1\n"),
-            "path.csv:2: column 'hight_m' is not known, expected some of t_s, north_m, east_m, "
+            "path.csv:2: column 'hight_m' is unknown, expected some of t_s, north_m, east_m, "
             "height_m, yaw_rad, separated by commas; did you mean 'height_m'?");
-  EXPECT_EQ(refusal("t_s,t_s\n0,1\n"), "path.csv:1: column 't_s' stands twice, expected once");
-  EXPECT_EQ(refusal("t_s,north_m\n0,1\n"),
-            "path.csv:1: there is no column 'height_m', expected one");
-  EXPECT_EQ(refusal("height_m,north_m\n0,1\n"),
-            "path.csv:1: there is no column 't_s', expected one");
+  EXPECT_EQ(refusal("t_s,t_s\n0,1\n"), "path.csv:1: column 't_s' appears twice, expected once");
+  EXPECT_EQ(refusal("t_s,north_m\n0,1\n"), "path.csv:1: the column 'height_m' is missing");
+  EXPECT_EQ(refusal("height_m,north_m\n0,1\n"), "path.csv:1: the column 't_s' is missing");
   EXPECT_EQ(refusal("t_s,height_m\n0,1,2\n"),
-            "path.csv:2: row has 3 numbers, expected 2, one for each column");
+            "path.csv:2: row has 3 numbers, expected 2, one per column");
   EXPECT_EQ(refusal("t_s,height_m\n0,1\n# c\n\n1,2,3\n"),
             "path.csv:5: row has 3 numbers, expected 2 as in row 1");
   EXPECT_EQ(refusal("t_s,height_m\n0,x\n"),
@@ -708,10 +706,10 @@ TEST(ScriptCsv, RefusesWithFileAndLine) {
   EXPECT_EQ(refusal("t_s,height_m\n0,1\n1,nan\n"),
             "path.csv:3: 'nan' is not finite, expected finite numbers");
   EXPECT_EQ(refusal("t_s,height_m\n1,1\n"),
-            "path.csv:2: t_s begins with 1, expected 0, as a flight needs a reference from its "
+            "path.csv:2: t_s begins with 1, expected 0 because a flight needs a reference from its "
             "beginning");
   EXPECT_EQ(refusal("t_s,height_m\n0,1\n\n2,1\n2,1\n"),
-            "path.csv:5: t_s is 2, expected more than 2 in the row before");
+            "path.csv:5: t_s is 2, expected more than 2, that of the previous row");
   EXPECT_EQ(refusal("t_s,height_m\n0,1\n# c\n2,-1\n"),
             "path.csv:4: height_m is -1, expected 0 or more and 100000 or less");
   EXPECT_EQ(refusal("t_s,height_m\n0,1\n1e9,1\n"),
@@ -744,15 +742,14 @@ TEST(ValidateMission, RefusesWhatAFileWouldNotHold) {
   bad.kind = Script{{{0, 0, {0, 0, -1}, 0}, {3, 2, {0, 0, -1}, 0}}};
   refuses(bad, "reference 2 ends at 2 s and begins at 3 s, expected a ramp that is not negative");
   bad.kind = Script{{{0, 0, {0, 0, -1}, 0}, {3, 5, {0, 0, -1}, 0}, {4, 6, {0, 0, -1}, 0}}};
-  refuses(bad, "reference 3 begins at 4 s, expected later, as the one before is complete at 5 s");
-  bad.kind = Waypoints{{{0, 0, -1}, {0, 0, -1}}, 1, 1, Nose::fixed, 0};
   refuses(bad,
-          "waypoints 1 and 2 are the same point, expected points that differ, as nothing "
-          "leads from one to the other");
+          "reference 3 begins at 4 s, expected later because the previous one is complete at 5 s");
+  bad.kind = Waypoints{{{0, 0, -1}, {0, 0, -1}}, 1, 1, Nose::fixed, 0};
+  refuses(bad, "waypoints 1 and 2 are the same point, expected points that differ");
   bad.kind = Waypoints{{{0, 0, -1}}, 1, 1, Nose::fixed, 0};
   refuses(bad, "there are 1 waypoints, expected at least 2");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, 'd'}, {1, 'a'}}};
-  refuses(bad, "key 'a' is pressed at 1 s, expected later than 'd' before it, at 1 s");
+  refuses(bad, "key 'a' is pressed at 1 s, expected later than the previous key 'd', at 1 s");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, '\n'}}};
   refuses(bad, "no key '?', expected one of d a w s j l i k y h r e");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, '\0'}}};
@@ -769,7 +766,7 @@ TEST(ValidateMission, RefusesWhatAFileWouldNotHold) {
   bad.limits = {{Metric::tilt_max, 1}, {Metric::tilt_max, 2}};
   refuses(bad, "tilt_max is limited twice, expected once");
   bad.limits = {{Metric::duration, 1}};
-  refuses(bad, "a limit of no metric or of the duration, expected one of the other metrics");
+  refuses(bad, "a limit is for an unknown metric or the duration, expected another metric");
   bad.limits = {{Metric::energy, -1}};
   refuses(bad, "limit of energy is -1 J, expected 0 or more and 1000000000000 or less");
 }
@@ -779,7 +776,7 @@ TEST(RequireMotors, KnowsTheVehiclesRotors) {
   EXPECT_NO_THROW(require_motors(mission, 4, "fly"));
   EXPECT_THAT([&] { require_motors(mission, 3, "fly"); },
               ThrowsMessage<InvalidInput>(StrEq("fly: mission 'motor-test' runs motor 4, expected "
-                                                "1 to 3, as the vehicle has no more")));
+                                                "1 to 3 because the vehicle has no more")));
   EXPECT_NO_THROW(require_motors(load_mission("hover"), 1, "fly"));
 }
 

@@ -282,17 +282,17 @@ TEST(Metrics, TiltIsTheGreatestOfAll) {
   std::uniform_real_distribution<double> roll(-kPi, kPi), pitch(-kPi / 2, kPi / 2);
   for (int trial = 0; trial < 50; ++trial) {
     Flight flight;
-    double greatest = 0;
+    double max = 0;
     const double scale = trial % 5 == 0 ? 1 : 1e-4;
     for (int i = 0; i < 50; ++i) {
       flight.x(kAttitude) = scale * roll(random);
       flight.x(kAttitude + 1) = scale * pitch(random);
       const Eigen::Matrix3d R_WB =
           rotation_of_euler(flight.x(kAttitude), flight.x(kAttitude + 1), 0.0);
-      greatest = std::max(greatest, std::atan2(R_WB.col(2).head<2>().norm(), R_WB(2, 2)));
+      max = std::max(max, std::atan2(R_WB.col(2).head<2>().norm(), R_WB(2, 2)));
       flight.period();
     }
-    EXPECT_NEAR(flight[Metric::tilt_max], greatest, 1e-14);
+    EXPECT_NEAR(flight[Metric::tilt_max], max, 1e-14);
   }
 }
 

@@ -121,12 +121,12 @@ TEST(CirclePath, TurnsRightForPositiveRadii) {
 TEST(LemniscatePath, HasItsLengthAndWidth) {
   const LemniscatePath path{{1, 2, -0.6}, 0.6, 0.3, 0, 10, 1, passage(2, 1)};
   EXPECT_NEAR(path_end(path), 13, 1e-12);
-  Vector3d least = path_point(path, 0).position, most = least;
+  Vector3d min = path_point(path, 0).position, max = min;
   for (const double t : path_times(0, 13, 1e-3)) {
-    least = least.cwiseMin(path_point(path, t).position);
-    most = most.cwiseMax(path_point(path, t).position);
+    min = min.cwiseMin(path_point(path, t).position);
+    max = max.cwiseMax(path_point(path, t).position);
   }
-  EXPECT_THAT(most - least, MatrixNear(Vector3d(0.6, 0.3, 0), 1e-6));
+  EXPECT_THAT(max - min, MatrixNear(Vector3d(0.6, 0.3, 0), 1e-6));
   EXPECT_THAT(path_point(path, 7.5).position, MatrixNear(Vector3d(1, 2, -0.6), 1e-12));
   EXPECT_THAT(path_point(path, 5).position, MatrixNear(Vector3d(1.3, 2, -0.6), 1e-12));
   LemniscatePath turned = path;
@@ -195,15 +195,15 @@ TEST(CarriedMotion, ObeysKinematics) {
 TEST(CarriedMotion, ArmOfTheExperimentIs60CentimetresLongAndHigh) {
   const Mission arm = load_mission("lemniscate-carried");
   const CarriedMotion carried(std::get<Carried>(arm.kind));
-  double least = 0, most = 0;
+  double min = 0, max = 0;
   for (const double t : path_times(0, arm.duration, 1e-3)) {
     const Motion motion = carried.at(t);
-    least = std::min(least, motion.position.x());
-    most = std::max(most, motion.position.x());
+    min = std::min(min, motion.position.x());
+    max = std::max(max, motion.position.x());
     ASSERT_EQ(motion.position.z(), -0.6);
     ASSERT_EQ(motion.attitude, Vector3d::Zero().eval());
   }
-  EXPECT_NEAR(most - least, 0.6, 1e-6);
+  EXPECT_NEAR(max - min, 0.6, 1e-6);
   EXPECT_THAT(carried.at(0).specific_force(9.81), MatrixNear(Vector3d(0, 0, -9.81), 0));
   EXPECT_THAT(carried.at(arm.duration).position, MatrixNear(Vector3d(0, 0, -0.6), 1e-12));
 }

@@ -145,7 +145,8 @@ TEST(OwnEstimator, RefusesAnEmptyOne) {
   setup.own_estimator = {"mine",
                          [](const EstimatorStart&) { return std::unique_ptr<FlightEstimator>(); }};
   EXPECT_THAT([&] { (void)fly(setup); },
-              ThrowsMessage<InvalidInput>(HasSubstr("estimator mine: make() returned nothing")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("estimator mine: make() returned null, expected an estimator")));
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ class OwnFeedback : public FlightLaw {
                           const Reference<double>& reference) override {
     return step(settings_, state_, estimate, reference).head(settings_.inputs);
   }
-  void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
-    quadtune::carried_out(settings_, state_, padded(asked), padded(made));
+  void on_realized(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
+    quadtune::on_realized(settings_, state_, padded(asked), padded(made));
   }
 
  private:
@@ -166,7 +166,7 @@ TEST(OwnLaw, RefusesWhatCannotBeFlown) {
     return std::unique_ptr<FlightLaw>();
   };
   EXPECT_THAT([&] { (void)fly(setup); },
-              ThrowsMessage<InvalidInput>(HasSubstr("law mine: make() returned nothing")));
+              ThrowsMessage<InvalidInput>(HasSubstr("law mine: make() returned null")));
   std::get<OwnController>(setup.controller).dt = 0;
   EXPECT_THAT([&] { (void)fly(setup); },
               ThrowsMessage<InvalidInput>(HasSubstr("the control period is 0 s")));

@@ -155,7 +155,7 @@ int flows(const FlightSetup& setup) {
 
 TEST(SensorDrift, FlowIsLostAboveItsHeight) {
   FlightSetup low = hover_at(1.5), high = hover_at(2.5);
-  low.vehicle.sensors.flow->greatest_height = high.vehicle.sensors.flow->greatest_height = 2;
+  low.vehicle.sensors.flow->max_height = high.vehicle.sensors.flow->max_height = 2;
   EXPECT_GT(flows(low), 100);
   EXPECT_EQ(flows(high), 0);
 }
@@ -198,7 +198,7 @@ TEST(SensorDrift, FliesAloneAsTogether) {
       sensors.gps->position.correlation = 60;
     }
     sensors.flow->noise_per_height = 0.01 * (i % 2);
-    if (i == 5) sensors.flow->greatest_height = 1.4;
+    if (i == 5) sensors.flow->max_height = 1.4;
     sensors.g_sensitivity.setConstant(1e-3 * (i % 3));
     if (i == 2) sensors.gyroscope->vibration.setConstant(1e-9);
     if (i == 3) sensors.accelerometer->vibration = {1e-7, 0, 2e-7};
@@ -226,7 +226,7 @@ TEST(SensorDrift, IsReadAndRefused) {
   EXPECT_EQ(read.g_sensitivity, Vector3d(2e-4, 2e-4, 2e-4));
   EXPECT_EQ(read.gps->position.correlated_noise, Vector3d(1, 1, 2));
   EXPECT_EQ(read.gps->position.correlation, 60);
-  EXPECT_EQ(read.flow->greatest_height, 4);
+  EXPECT_EQ(read.flow->max_height, 4);
   EXPECT_EQ(read.flow->noise_per_height, 0.02);
   EXPECT_EQ(ideal(read).flow->noise_per_height, 0);
   EXPECT_EQ(ideal(read).g_sensitivity, Vector3d(0, 0, 0));

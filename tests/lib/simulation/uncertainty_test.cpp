@@ -73,16 +73,16 @@ TEST(Uncertainty, LimitsScaleTheRestUp) {
     double before = -1e9;
     for (const double z : {-6.0, -1.0, 0.0, 0.7, 3.0, 7.0}) {
       const double x = value_at(cut, z);
-      EXPECT_GE(x, cut.least);
-      EXPECT_LE(x, cut.most);
+      EXPECT_GE(x, cut.min);
+      EXPECT_LE(x, cut.max);
       EXPECT_GE(x, before);
       before = x;
       // The share below x of what is between the limits, from the tail that has digits.
       const double side = shift > 0 ? -1 : 1;
       const auto tail = [&](double at) { return boost::math::cdf(normal, side * at); };
       const double share =
-          (tail(x) - tail(side > 0 ? cut.least : cut.most)) /
-          (tail(side > 0 ? cut.most : cut.least) - tail(side > 0 ? cut.least : cut.most));
+          (tail(x) - tail(side > 0 ? cut.min : cut.max)) /
+          (tail(side > 0 ? cut.max : cut.min) - tail(side > 0 ? cut.min : cut.max));
       EXPECT_NEAR(share, boost::math::cdf(normal, side * z), 1e-9) << shift << " " << z;
     }
   }
@@ -206,7 +206,7 @@ std::string quantity_rows() {
     std::size_t end = i + 1;
     while (end < all.size() && all[i].name.find('_') != std::string::npos &&
            stem(all[end]) == stem(all[i]) && all[end].unit == all[i].unit &&
-           all[end].kind == all[i].kind && all[end].greatest == all[i].greatest &&
+           all[end].kind == all[i].kind && all[end].max == all[i].max &&
            all[end].meaning.substr(0, 8) == all[i].meaning.substr(0, 8))
       ++end;
     std::vector<std::string> names, meanings;
@@ -215,7 +215,7 @@ std::string quantity_rows() {
       meanings.push_back(all[k].meaning);
     }
     text += fmt::format("| {} | {} | {} | {:g} | {:g} | {} |\n", fmt::join(names, ", "),
-                        all[i].unit, word_of(all[i].kind), all[i].least, all[i].greatest,
+                        all[i].unit, word_of(all[i].kind), all[i].min, all[i].max,
                         end - i == 1 ? all[i].meaning : together(meanings));
     i = end;
   }
@@ -246,15 +246,14 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
       apply({{{name, {}}}, {}}, VectorXd::Ones(1), changed);
     };
   };
-  EXPECT_THAT(applied("gps_noise"),
-              ThrowsMessage<InvalidInput>(StrEq("gps_noise: the vehicle 'mambo' has nothing that "
-                                                "it changes, expected a quantity of what it has")));
+  EXPECT_THAT(applied("gps_noise"), ThrowsMessage<InvalidInput>(StrEq(
+                                        "gps_noise: the vehicle 'mambo' has no such component, "
+                                        "expected a quantity of a component that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
   for (const char* name :
        {"drag", "wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
-    EXPECT_THAT(applied(name),
-                ThrowsMessage<InvalidInput>(HasSubstr("has nothing that it changes")))
+    EXPECT_THAT(applied(name), ThrowsMessage<InvalidInput>(HasSubstr("has no such component")))
         << name;
   setup.real_sensors = false;
   EXPECT_THAT(applied("gyroscope_noise"),
@@ -352,17 +351,17 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
           "mass: draws from -3 to 5, expected within 0.01 to 100; least and most limit");
   refuses(mass + "normal = {deviation = 0.1, least = 1.1, most = 0.9}\n",
           "least is 1.1 and most is 0.9, expected least below most");
-  refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "leave nothing of the distribution");
+  refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "exclude the whole distribution");
   refuses(mass + "log_normal = {median = 0, deviation = 0.1}\n",
           "mass: median is 0, expected more than 0");
   const std::string three =
       mass +
       "normal = {deviation = 0.01}\n[[vary]]\nquantity = \"thrust\"\nnormal = {deviation = "
       "0.01}\n[[vary]]\nquantity = \"drag\"\nnormal = {deviation = 0.01}\n";
-  refuses(three + mass + "normal = {deviation = 0.01}\n", "mass varies twice");
+  refuses(three + mass + "normal = {deviation = 0.01}\n", "mass is given twice");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrst\"]\nvalue = 0.5\n",
-          "f.toml:11: 'thrst' does not vary, expected some of mass, thrust, drag; did you mean "
-          "'thrust'?");
+          "f.toml:11: 'thrst' is not an uncertain quantity of this file, expected some of mass, "
+          "thrust, drag; did you mean 'thrust'?");
   refuses(three + "[[correlation]]\nquantities = [\"mass\"]\nvalue = 0.5\n",
           "quantities has 1 entries, expected 2 or more");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 1\n",
@@ -375,9 +374,10 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
               "[[correlation]]\nquantities = [\"thrust\", \"mass\"]\nvalue = 0.1\n",
           "the correlation of thrust and mass is given twice, expected each pair once");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"mass\"]\nvalue = 0.1\n",
-          "f.toml:11: mass stands twice, expected each quantity once");
-  refuses("[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n",
-          "f.toml:2: 'thrust' does not vary, expected a [[vary]] for it");
+          "f.toml:11: mass is given twice, expected each quantity once");
+  refuses(
+      "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n",
+      "f.toml:2: 'thrust' is not an uncertain quantity of this file, expected a [[vary]] for it");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Small logs of each format, made here, to be cut and damaged; also the seeds of the fuzz targets.
+/// Small generated logs of each format, to be truncated and damaged; also the seeds of the fuzz
+/// targets.
 #pragma once
 
 #include <fmt/format.h>
@@ -30,7 +31,7 @@ inline LogSample text_sample(const std::string& name, const std::string& format,
   return sample;
 }
 
-/// A log for each reader but that of MAT files.
+/// A log for each reader except that of MAT files.
 inline std::vector<LogSample> log_samples() {
   const std::string readings = "1 2 3 4 5 6 7 8 9 288 100947\n";
   std::string frames;

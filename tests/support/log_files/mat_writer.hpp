@@ -92,8 +92,8 @@ class MatWriter {
     return element(14, head(4, {text.empty() ? 0 : 1, std::int32_t(text.size())}, name) +
                            element(4, raw(units)));
   }
-  // The length of the names stands in its tag, as the format asks.
-  // @param fields  Of all structs, one struct after the other.
+  // The length of the names is in its tag, as the format requires.
+  // @param fields  fields of all structs, one struct after the other.
   static std::string structs(const std::string& name, std::size_t count,
                              const std::vector<std::string>& names, const std::string& fields) {
     std::string padded;

@@ -8,7 +8,8 @@
 
 namespace quadtune::testing {
 
-/// Nile's flow at Aswan, 1871 to 1970 (Cobb 1978), and what Durbin and Koopman 2012 find in it.
+/// The flow of the Nile at Aswan, 1871 to 1970 (Cobb 1978), and the results of Durbin and Koopman
+/// 2012.
 inline FilterRecord nile() {
   const std::vector<double> flow = {
       1120, 1160, 963, 1210, 1160, 1160, 813,  1230, 1370, 1140, 995,  935,  1110, 994,  1020,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Logs from memory, read whole.
+/// Logs in memory, read completely.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct WholeGroup {
   std::vector<double> time;
   std::vector<std::vector<double>> rows;
 
-  /// The column of that name; fails the test where there is none.
+  /// The column of that name; fails the test if it does not exist.
   [[nodiscard]] std::vector<double> column(const std::string& name) const {
     for (std::size_t k = 0; k < group.channels.size(); ++k) {
       if (group.channels[k].name != name) continue;
@@ -48,7 +48,7 @@ struct WholeLog {
   LogCondition condition;
   std::int64_t epoch_s = 0;
   std::string format;
-  std::vector<std::size_t> order;  ///< the groups of the blocks as they came
+  std::vector<std::size_t> order;  ///< the groups of the blocks in the order of reading
 
   [[nodiscard]] const WholeGroup& group(const std::string& name) const {
     for (const WholeGroup& one : groups)
@@ -82,7 +82,7 @@ inline WholeLog read_whole(LogReader& reader) {
   return log;
 }
 
-/// @param bytes  Of the file, which messages call "f.log".
+/// @param bytes  contents of the file, which messages call "f.log".
 inline WholeLog read_bytes(const std::string& bytes, const LogOptions& options = {}) {
   return read_whole(*internal::open_log(internal::ByteStream(bytes, "f.log"), options));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Logs to write and to read back, and whether two are the same.
+/// Logs to write and to read back, and their comparison.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@
 
 namespace quadtune::testing {
 
-/// A flight of two rows as a person would write it down.
+/// A flight of two rows, as written by hand.
 inline LogTable small_log() {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   return {{{"vehicle", "mambo"}, {"seed", "7"}},
@@ -24,8 +24,9 @@ inline LogTable small_log() {
           {{0.0025, "tilt", "rolled 1.2 rad, more than 1"}}};
 }
 
-/// Texts that trouble somebody: separators, quotes, lines, escapes, what looks like a comment, a
-/// keyword, a field of the format, two that fall together as field names, other alphabets.
+/// Texts that are difficult for some format: separators, quotes, lines, escapes, text that looks
+/// like a comment, a keyword, a field of the format, two that give the same field name, other
+/// alphabets.
 inline const std::vector<std::string>& hostile_texts() {
   static const std::vector<std::string> texts = {"a,b",
                                                  "\"",
@@ -91,7 +92,8 @@ inline const std::vector<std::string>& hostile_texts() {
   return texts;
 }
 
-/// A double of any kind: every bit pattern but those of NaN may come, and NaN itself often does.
+/// A double of any kind: every bit pattern except those of NaN is possible, and NaN itself is
+/// frequent.
 inline double any_double(std::mt19937_64& random) {
   using Limits = std::numeric_limits<double>;
   switch (random() % 12) {
@@ -139,13 +141,13 @@ inline LogTable random_log(std::uint64_t seed) {
   return log;
 }
 
-/// Bits that tell two doubles apart; all NaN have the same.
+/// The bits of a double; all NaN have the same.
 inline std::uint64_t bits_of(double value) {
   return std::bit_cast<std::uint64_t>(std::isnan(value) ? std::numeric_limits<double>::quiet_NaN()
                                                         : value);
 }
 
-/// The log that is, bit for bit, the expected one.
+/// Matches a log that is bit for bit the expected one.
 MATCHER_P(SameLog, expected, "is that log") {
   const auto different = [&](const std::string& what) {
     *result_listener << "differs in " << what;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Records of a still sensor with known noise, seeded.
+/// Simulated logs of a stationary sensor with known noise, seeded.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes PX4 ULogs, whole or odd, for tests.
+/// Writes PX4 ULogs, valid or unusual, for tests.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ class UlogWriter {
     borders_.push_back(bytes_.size());
     return *this;
   }
-  /// Flags with room for where appended data begin; see append_here().
+  /// Flags with space for the offset of appended data; see append_here().
   UlogWriter& flags() {
     flags_at_ = bytes_.size() + 3;
     return message('B', std::string(40, '\0'));
@@ -56,7 +56,7 @@ class UlogWriter {
     bytes_ += bytes;
     return *this;
   }
-  /// Says in the flags that data are appended from here on.
+  /// Sets in the flags that appended data begin here.
   UlogWriter& append_here() {
     const std::uint64_t offset = bytes_.size();
     bytes_[flags_at_ + 8] = 1;
@@ -65,7 +65,7 @@ class UlogWriter {
   }
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
-  /// Where messages end, the header first.
+  /// The offsets at which messages end, beginning with the header.
   [[nodiscard]] const std::vector<std::size_t>& borders() const { return borders_; }
 
  private:
@@ -74,8 +74,8 @@ class UlogWriter {
   std::size_t flags_at_ = 0;
 };
 
-/// A log with what real ones have: nested types, arrays, padding, texts, two instances, a drop-out,
-/// marks, parameters. `sensor` is at 100 Hz, `status` at 50 Hz.
+/// A log with the features of real ones: nested types, arrays, padding, texts, two instances, a
+/// drop-out, marks, parameters. `sensor` is at 100 Hz, `status` at 50 Hz.
 inline UlogWriter sample_ulog() {
   UlogWriter log;
   log.flags();

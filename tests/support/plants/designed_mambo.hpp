@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The Mambo's cascade as `quadtune pid mambo` designs it, for flights that do not want to wait for
-/// the design. tests/cli/cascade_test.cpp holds the numbers against the command.
+/// The Mambo's cascade as `quadtune pid mambo` designs it, for flights that do not wait for the
+/// design. tests/cli/cascade_test.cpp compares the numbers with the command.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ struct DesignedLoop {
   double Kp, Ki, Kd;  ///< as PidLoop
 };
 
-/// As the command prints them, to four digits.
+/// As printed by the command, with four digits.
 inline constexpr std::array<DesignedLoop, kCascadeAxes> kDesignedMambo = {
     {{"roll", 0.01078, 0.02777, -0.001508},
      {"pitch", 0.01324, 0.03435, -0.001623},

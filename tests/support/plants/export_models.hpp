@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sampled hover models with gains that fly them, for tests of what comes after the synthesis.
+/// Sampled hover models with stabilizing gains, for tests of the steps after the synthesis.
 #pragma once
 
 #include "quadtune/exports/content.hpp"

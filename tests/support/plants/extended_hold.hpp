@@ -13,8 +13,8 @@ struct ExtendedHold {
   Eigen::MatrixXd integral;
 };
 
-/// Taylor at ‖A h‖ ≤ 1/8, then doublings of e^(Ah) - I. 64 bits of mantissa: a few hundred
-/// doublings too many would show before this is wrong in double.
+/// Taylor series at ‖A h‖ ≤ 1/8, then doublings of e^(Ah) - I. With 64 bits of mantissa, a few
+/// hundred superfluous doublings would be needed to make an error visible in double.
 inline ExtendedHold extended_hold(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double dt) {
   using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   long double h = dt;

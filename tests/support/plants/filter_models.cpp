@@ -28,8 +28,8 @@ MatrixXd root_of(const MatrixXd& M) {
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
-/// One step by the plain series of a block exponential, or of powers: slow and independent of what
-/// the library does.
+/// One step by the plain series of a block exponential, or by powers: slow and independent of the
+/// library.
 struct Step {
   MatrixXd F, B, Q;
 };

@@ -16,15 +16,15 @@ FilterModel local_level();
 /// Height and vertical speed, discrete as in Oliveira 2020, table 3.1: Q.vz, R.sonar; diffuse.
 FilterModel discrete_altitude();
 
-/// nx states, nu inputs, two sensors of one and two outputs, all drawn: continuous or discrete,
-/// stable or not by a little. Parameters: one variance a noise, one that the first sensor has, and
-/// either two variances or a full block for the second.
+/// nx states, nu inputs, two sensors with one and two outputs, all random: continuous or discrete,
+/// barely stable or barely unstable. Parameters: one variance for each noise, one for the first
+/// sensor, and either two variances or a full block for the second.
 FilterModel random_model(std::mt19937_64& random, int nx, int nu, bool continuous, bool full);
 
-/// What such a model makes, N samples: x0 from P0, diffuse states from N(0, 1); inputs white.
-/// @param theta    of the truth
-/// @param missing  share of samples of each sensor that do not come
-/// @param jitter   share of dt by which instants of a continuous model move
+/// N samples that such a model generates: x0 from P0, diffuse states from N(0, 1); inputs white.
+/// @param theta    true parameters
+/// @param missing  fraction of the samples of each sensor that are missing
+/// @param jitter   fraction of dt by which instants of a continuous model are shifted
 FilterRecord simulated(const FilterModel& model, const Eigen::VectorXd& theta, int N, double dt,
                        std::mt19937_64& random, double missing = 0, double jitter = 0);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Vehicles of which autopilots' gains are known in SI.
+/// Vehicles for which the gains of autopilots are known in SI units.
 #pragma once
 
 #include <Eigen/Core>
@@ -47,7 +47,7 @@ inline Vehicle sih_vehicle() {
   return vehicle;
 }
 
-/// Gazebo's iris, whose rotors stand elsewhere than its parameters say.
+/// Gazebo's iris, whose rotors are not where its parameters state.
 inline Vehicle iris_vehicle() {
   Vehicle vehicle = firmware_vehicle(1.55, {0.0300196, 0.0294736, 0.056447}, 0.13, 0.22, 5.84e-6, 0,
                                      0.06, CommandLaw::speed);
@@ -73,7 +73,7 @@ inline Vehicle racing_vehicle(CommandLaw law) {
   return vehicle;
 }
 
-/// A Crazyflie 2.1+ by its firmware's own numbers.
+/// A Crazyflie 2.1+ with the parameters of its firmware.
 inline Vehicle crazyflie_vehicle() {
   const double a = 0.046 / std::sqrt(2.0);
   Vehicle vehicle = firmware_vehicle(0.029, {16.571710e-6, 16.655602e-6, 29.261652e-6}, a, a, 0.12,

@@ -12,8 +12,8 @@
 
 namespace quadtune::testing {
 
-/// Gains that hold a vehicle about hover as a flight needs it: damped angles, slow position. Not
-/// optimal, but every term of a law is there that the case asks for.
+/// Gains that stabilize a vehicle at hover: damped angles, slow position. Not optimal, but with all
+/// terms of the law that the case requires.
 inline Gains hovering_feedback(const Vehicle& vehicle, InputKind kind, int past, bool integrals) {
   const Allocation<double> law = allocation(vehicle);
   const auto& J = vehicle.inertia;
@@ -79,7 +79,7 @@ inline Gains hovering_feedback(const Vehicle& vehicle, InputKind kind, int past,
   return gains;
 }
 
-/// A cascade with all its terms, likewise.
+/// Likewise a cascade with all its terms.
 inline CascadeDesign hovering_cascade(const Vehicle& vehicle, PidMethod method) {
   const auto& J = vehicle.inertia;
   CascadeDesign design;
@@ -105,8 +105,8 @@ inline CascadeDesign hovering_cascade(const Vehicle& vehicle, PidMethod method) 
   return design;
 }
 
-/// Steady filters whose matrices have every shape; the second has noises in common, so that L is
-/// not A M, and no inputs.
+/// Steady-state filters whose matrices have every shape; the second has correlated noises, so that
+/// L is not A M, and no inputs.
 inline std::vector<KalmanFilter> steady_filters() {
   KalmanFilter height;
   height.name = "height";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The uquad's hover model written down by hand, independent of lib/model and linearize.
+/// The uquad's hover model derived by hand, independent of lib/model and linearize.
 #pragma once
 
 #include <cmath>

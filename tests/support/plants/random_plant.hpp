@@ -9,7 +9,7 @@
 
 namespace quadtune::testing {
 
-/// Poles in a disk of radius about 1 around -0.5 [1/s]; D is zero unless asked for.
+/// Poles in a disk of radius about 1 around -0.5 [1/s]; D is zero unless requested.
 inline ContinuousLti random_plant(Eigen::Index nx, Eigen::Index nu, Eigen::Index ny, bool with_D,
                                   std::mt19937_64& generator) {
   std::normal_distribution<double> normal;

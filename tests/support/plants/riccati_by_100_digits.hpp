@@ -34,15 +34,15 @@ struct LongRiccatiSolution {
   LongMatrix X, K;
 };
 
-/// What 100 digits say of a gain.
+/// The evaluation of a gain with 100 digits.
 struct RiccatiJudgement {
   bool stabilizes = false;  ///< A - B K is stable
-  /// The stabilizing solution; none where there is no solution.
+  /// The stabilizing solution, if it exists.
   std::optional<LongRiccatiSolution> exact;
 };
 
-/// Solves A_cᵀX + X A_c + M = 0, or A_cᵀX A_c - X + M = 0, by squaring, in place. False when the
-/// powers do not vanish: A_c is not stable.
+/// Solves A_cᵀX + X A_c + M = 0, or A_cᵀX A_c - X + M = 0, by squaring, in place. Returns false if
+/// the powers do not vanish, i.e. A_c is not stable.
 inline bool solve_long_lyapunov(const LongMatrix& Ac, bool discrete, LongMatrix& M) {
   const Eigen::Index n = Ac.rows();
   LongMatrix E = Ac;
@@ -63,8 +63,8 @@ inline bool solve_long_lyapunov(const LongMatrix& Ac, bool discrete, LongMatrix&
   return false;
 }
 
-/// Kleinman's iteration (1968; Hewer 1971) from a stabilizing gain goes to the stabilizing
-/// solution's, if there is one.
+/// Kleinman's iteration (1968; Hewer 1971), which converges from a stabilizing gain to that of the
+/// stabilizing solution, if there is one.
 inline RiccatiJudgement by_100_digits(const LongRiccatiCase& c, bool discrete, LongMatrix K) {
   RiccatiJudgement judgement;
   for (int step = 0; step < 300; ++step) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Riccati problems: random ones, the hover of a 60 g quadrotor, and residuals written down anew.
+/// Riccati problems: random ones, the hover of a 60 g quadrotor; and residuals computed from the
+/// definition.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -66,7 +67,8 @@ inline std::vector<std::string> small_hover_names() {
   return {"x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "p", "q", "r"};
 }
 
-/// Hover of a quadrotor of 63 g in SI units, input wrench [N, N m]: 1/J ≈ 2e4 beside g ≈ 10.
+/// Hover of a quadrotor of 63 g in SI units, input wrench [N, N m]: 1/J ≈ 2e4 in addition to g ≈
+/// 10.
 inline RiccatiCase small_hover() {
   constexpr double mass = 0.063, Jxx = 5.83e-5, Jyy = 7.17e-5, Jzz = 1e-4, g = 9.81;
   RiccatiCase c;
@@ -123,7 +125,7 @@ inline std::vector<double> fortran_numbers(const std::filesystem::path& path) {
   return numbers;
 }
 
-/// Takes a matrix, row after row, off the front of `numbers`.
+/// Removes a matrix, row by row, from the front of `numbers`.
 inline Eigen::MatrixXd take_matrix(std::vector<double>& numbers, Eigen::Index rows,
                                    Eigen::Index cols) {
   Eigen::MatrixXd M(rows, cols);

@@ -10,8 +10,8 @@
 
 namespace quadtune::testing {
 
-/// The numbers of the public uquad project: rotors 1 front, 2 left, 3 back, 4 right; 1 and 3 turn
-/// counter-clockwise.
+/// The parameters of the public uquad project: rotors 1 front, 2 left, 3 back, 4 right; 1 and 3
+/// turn counter-clockwise.
 [[nodiscard]] inline Vehicle plus_quadrotor() {
   Vehicle vehicle;
   vehicle.name = "plus";
@@ -34,8 +34,8 @@ namespace quadtune::testing {
   return vehicle;
 }
 
-/// A flyable vehicle of `rotors` (even, ≥ 4) rotors around a circle, alternately turning, with
-/// arms, heights, curves, full inertia and drag all a little irregular.
+/// A flyable vehicle with `rotors` (even, ≥ 4) rotors around a circle, which turn alternately, with
+/// slightly irregular arms, heights and curves, full inertia and drag.
 [[nodiscard]] inline Vehicle random_vehicle(std::mt19937_64& random, int rotors) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

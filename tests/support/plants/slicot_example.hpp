@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads matrices out of the text of SLICOT's example data and results.
+/// Reads matrices from the text of SLICOT's example data and results.
 #pragma once
 
 #include <gtest/gtest.h>

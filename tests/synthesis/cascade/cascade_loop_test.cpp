@@ -37,9 +37,9 @@ CascadePlant double_integrator(double b, double lag = 0) {
   return discretize_zoh(plant, kDt);
 }
 
-// Kd b T/(z - 1), with z - 1 = 2j sin(wT/2) e^(jwT/2): |S| is greatest at Nyquist, 2/(2 - Kd b T),
+// Kd b T/(z - 1), with z - 1 = 2j sin(wT/2) e^(jwT/2): |S| is largest at Nyquist, 2/(2 - Kd b T),
 // and |L| = 1 at (2/T) asin(Kd b T/2).
-TEST(CascadeLoop, RateOfAnIntegratorIsAsByHand) {
+TEST(CascadeLoop, RateLoopOfAnIntegratorMatchesClosedForm) {
   const double a = 60;
   const CascadePlant plant = double_integrator(1e4);
   const CascadeLoopEvidence evidence =
@@ -48,29 +48,29 @@ TEST(CascadeLoop, RateOfAnIntegratorIsAsByHand) {
   EXPECT_NEAR(evidence.rate.crossover, 2 / kDt * std::asin(a * kDt / 2), 1e-7);
   EXPECT_NEAR(evidence.rate_noise, a / 1e4 * 2 / (2 - a * kDt), 1e-9);
 
-  // Backwards: the Ms of 1.4 that a rate alone may have.
+  // The inverse problem: a rate loop alone with Ms = 1.4.
   const CascadeLoopDesign design =
       design_cascade_loop(plant, {.rate_crossover = 200}, PidMethod::forward_euler);
-  EXPECT_EQ(design.status, CascadeLoopStatus::crossover_out_of_reach);
+  EXPECT_EQ(design.status, CascadeLoopStatus::crossover_infeasible);
   EXPECT_NEAR(design.highest_rate_crossover, 2 / kDt * std::asin(1 - 1 / 1.4), 1e-6);
   EXPECT_THAT(design.culprit, HasSubstr("expected less than 115.9"));
 }
 
-TEST(CascadeLoop, LoadIsRejectedAsByHand) {
+TEST(CascadeLoop, LoadResponseMatchesClosedForm) {
   const CascadePlant plant = double_integrator(1e4);
-  // Without integral what stays is 1/Kp, and a damped loop does not overshoot it.
+  // Without integral the steady-state value is 1/Kp, and a damped loop does not overshoot it.
   const CascadeLoopEvidence stiff =
       cascade_loop_evidence(plant, {0.004, 0, 0.0012, 0}, PidMethod::forward_euler);
-  EXPECT_NEAR(stiff.load_left, 250, 1e-6);
+  EXPECT_NEAR(stiff.load_steady_state, 250, 1e-6);
   EXPECT_NEAR(stiff.load_peak, 250, 0.01);
   EXPECT_TRUE(std::isinf(stiff.load_integral));
   EXPECT_NEAR(stiff.tracking_peak, 1, 1e-3);
 
-  // With one, the value's sum over the samples is 1/Ki.
+  // With an integral, the sum of the value over the samples is 1/Ki.
   const PidGains gains{0.004, 0.005, 0.0012, 0};
   const CascadeLoopEvidence integral =
       cascade_loop_evidence(plant, gains, PidMethod::forward_euler);
-  EXPECT_EQ(integral.load_left, 0);
+  EXPECT_EQ(integral.load_steady_state, 0);
   CascadePlant closed = closed_at_command(plant, gains, PidMethod::forward_euler);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(closed.A.rows());
   load.head(2) = plant.B;
@@ -86,7 +86,7 @@ TEST(CascadeLoop, LoadIsRejectedAsByHand) {
   EXPECT_NEAR(peak, integral.load_peak, 1e-9 * peak);
 }
 
-TEST(CascadeLoop, CutLoopIsTheClosedOnesCharacteristic) {
+TEST(CascadeLoop, OpenLoopYieldsTheClosedLoopPoles) {
   const CascadePlant plant = double_integrator(1e4, 0.02);
   const PidGains gains{0.004, 0.005, 0.0012, 0};
   for (const PidMethod method :
@@ -107,7 +107,7 @@ struct Wanted {
   double lag;
 };
 
-/// Loops of all speeds, with and without lag, and bounds of all kinds.
+/// Loops with different speeds, with and without lag, and with all kinds of bounds.
 std::vector<Wanted> wanted() {
   std::vector<Wanted> all;
   std::mt19937 random(11);
@@ -135,7 +135,7 @@ bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& e, double 
          e.rate.crossover <= bounds.rate_crossover_max * (1 + slack);
 }
 
-TEST(CascadeLoop, KeepsItsBoundsAndNothingNearIsBetter) {
+TEST(CascadeLoop, MeetsItsBoundsAndIsLocallyOptimal) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   for (const Wanted& one : wanted()) {
@@ -169,7 +169,7 @@ TEST(CascadeLoop, MeetsTheBandwidthExactly) {
   EXPECT_NEAR(design.evidence.rate.crossover, 40, 1e-6);
 }
 
-TEST(CascadeLoop, HoldsTheLoadsPeak) {
+TEST(CascadeLoop, BoundsTheLoadPeak) {
   const CascadePlant plant = double_integrator(1 / 7.16914e-5);
   const CascadeLoopEvidence there =
       cascade_loop_evidence(plant, {0.013, 0.01, 0.002, 0}, PidMethod::forward_euler);

@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// The Mambo at hover, written by hand: order of ned_convention(), inputs T, tau_x, tau_y, tau_z.
+/// The Mambo at hover, derived by hand: order of ned_convention(), inputs T, tau_x, tau_y, tau_z.
 ContinuousLti mambo_hover() {
   ContinuousLti plant;
   plant.A = Eigen::MatrixXd::Zero(12, 12);
@@ -62,7 +62,7 @@ CascadeSpecification every(double dt) {
 
 double radius(const PidCascade& cascade) { return cascade.poles.cwiseAbs().maxCoeff(); }
 
-TEST(PidCascade, IsBetterThanTheThesisInEverything) {
+TEST(PidCascade, ImprovesAllMetricsOfTheThesis) {
   CascadeVehicle vehicle = mambo();
   vehicle.published = thesis();
   const PidCascade cascade = pid_cascade(vehicle, every(0.005));
@@ -76,7 +76,7 @@ TEST(PidCascade, IsBetterThanTheThesisInEverything) {
     EXPECT_LT(here.margins.Ms, there.margins.Ms) << to_string(loop.axis);
     EXPECT_LT(here.load_integral, there.load_integral) << to_string(loop.axis);
     EXPECT_LE(here.load_peak, there.load_peak * (1 + 1e-6)) << to_string(loop.axis);
-    EXPECT_LE(here.load_left, there.load_left) << to_string(loop.axis);
+    EXPECT_LE(here.load_steady_state, there.load_steady_state) << to_string(loop.axis);
     EXPECT_LE(here.value_noise, there.value_noise * (1 + 1e-6)) << to_string(loop.axis);
     EXPECT_LE(here.rate_noise, there.rate_noise * (1 + 1e-6)) << to_string(loop.axis);
   }
@@ -96,8 +96,8 @@ TEST(PidCascade, WritesTheSignsOfTheThesis) {
   }
 }
 
-/// The published evidence of an axis is that of the whole vehicle with all axes closed.
-TEST(PidCascade, LoopsAreThoseOfTheWholeVehicle) {
+/// The published evidence of an axis equals that of the complete vehicle with all axes closed.
+TEST(PidCascade, LoopsMatchTheCompleteVehicle) {
   CascadeVehicle vehicle = mambo();
   vehicle.published = thesis();
   const PidCascade cascade = pid_cascade(vehicle, every(0.005));
@@ -116,7 +116,7 @@ TEST(PidCascade, LoopsAreThoseOfTheWholeVehicle) {
   }
 }
 
-TEST(PidCascade, HoldsVehiclesWithLagDelayAndOtherClocks) {
+TEST(PidCascade, StabilizesVehiclesWithLagDelayAndOtherPeriods) {
   for (const double dt : {0.002, 0.02})
     for (const double lag : {0.0, 0.05})
       for (const double delay : {0.0, 1.4}) {
@@ -136,8 +136,8 @@ TEST(PidCascade, HoldsVehiclesWithLagDelayAndOtherClocks) {
       }
 }
 
-/// What the delay margin says is where the vehicle is lost: a second method for delays.
-TEST(PidCascade, IsLostWhereTheDelayMarginSays) {
+/// The vehicle becomes unstable at the delay margin, according to a second method for delays.
+TEST(PidCascade, BecomesUnstableAtTheDelayMargin) {
   const PidCascade cascade = pid_cascade(mambo(), every(0.005));
   ASSERT_TRUE(cascade.solved());
   const DiscreteLti law = cascade_law(cascade.gains, PidMethod::forward_euler);
@@ -153,9 +153,8 @@ TEST(PidCascade, IsLostWhereTheDelayMarginSays) {
   }
 }
 
-/// Trimmed rotors turn equally fast but for the last bit: roll and pitch rates are coupled by
-/// 1e-16.
-TEST(PidCascade, IsNotMisledByRounding) {
+/// Trimmed rotor speeds are equal up to rounding: roll and pitch rates are coupled by 1e-16.
+TEST(PidCascade, IsInsensitiveToRounding) {
   CascadeVehicle vehicle = mambo();
   CascadeSpecification late = every(0.005);
   late.delay.fill(0.0135);
@@ -174,7 +173,7 @@ TEST(PidCascade, IsNotMisledByRounding) {
   }
 }
 
-TEST(PidCascade, AssessesWhatWasWritten) {
+TEST(PidCascade, AssessesWrittenGains) {
   CascadeVehicle vehicle = mambo();
   vehicle.published = thesis();
   const PidCascade designed = pid_cascade(vehicle, every(0.005));
@@ -192,7 +191,7 @@ TEST(PidCascade, AssessesWhatWasWritten) {
   EXPECT_THROW((void)assess_cascade(mambo(), every(0.005), incomplete), InvalidInput);
 }
 
-TEST(PidCascade, LeavesIntegralsOut) {
+TEST(PidCascade, OmitsIntegrals) {
   CascadeSpecification specification = every(0.005);
   for (CascadeRequirement& requirement : specification.requirements) requirement.integral = false;
   specification.requirements[index_of(CascadeAxis::altitude)].integral = true;
@@ -202,18 +201,18 @@ TEST(PidCascade, LeavesIntegralsOut) {
     EXPECT_EQ(loop.Ki != 0, loop.name == "altitude") << loop.name;
 }
 
-TEST(PidCascade, NamesTheLoopThatCannotBe) {
+TEST(PidCascade, NamesTheInfeasibleLoop) {
   CascadeSpecification specification = every(0.005);
   specification.requirements[index_of(CascadeAxis::y)].bandwidth = 40;
   const PidCascade cascade = pid_cascade(mambo(), specification);
   EXPECT_FALSE(cascade.solved());
   EXPECT_EQ(cascade.failed().axis, CascadeAxis::y);
-  EXPECT_EQ(cascade.failed().design.status, CascadeLoopStatus::crossover_out_of_reach);
+  EXPECT_EQ(cascade.failed().design.status, CascadeLoopStatus::crossover_infeasible);
   EXPECT_GT(cascade.failed().design.highest_rate_crossover, 1);
   EXPECT_LT(cascade.failed().design.highest_rate_crossover, 40);
 }
 
-TEST(PidCascade, TellsOfCoupledAxes) {
+TEST(PidCascade, NotesCoupledAxes) {
   CascadeVehicle vehicle = mambo();
   vehicle.hover.B(9, 2) = 0.1 * vehicle.hover.B(9, 1);
   const PidCascade cascade = pid_cascade(vehicle, every(0.005));

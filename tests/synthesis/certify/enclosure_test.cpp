@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: Apache-2.0
-// What an enclosure stands for must be in it after every operation; 64-bit mantissas know better
-// than doubles where that is.
+// SPDX-License-Identifier: Apache-2.0 An enclosure must contain the true value after every
+// operation. The true value is computed with 64-bit mantissas.
 #include "certify/enclosure.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +30,7 @@ bool holds(const Enclosure& enclosure, const Extended& M) {
          (off.array() <= enclosure.rad.cast<long double>().array()).all();
 }
 
-TEST(Enclosure, HoldsSumsAndProductsOfWhatItsPartsHold) {
+TEST(Enclosure, ContainsSumsAndProducts) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 200; ++trial) {
     const MatrixXd A = random_matrix(random, 5, 4);
@@ -40,7 +39,7 @@ TEST(Enclosure, HoldsSumsAndProductsOfWhatItsPartsHold) {
     const MatrixXd dB = 1e-3 * random_matrix(random, 4, 3).cwiseAbs();
     const Enclosure a(A, dA);
     const Enclosure b(B, dB);
-    // An extreme point, signs drawn.
+    // An extreme point with random signs.
     const MatrixXd sA = random_matrix(random, 5, 4).cwiseSign();
     const MatrixXd sB = random_matrix(random, 4, 3).cwiseSign();
     const Extended x = A.cast<long double>() + dA.cwiseProduct(sA).cast<long double>();
@@ -53,7 +52,7 @@ TEST(Enclosure, HoldsSumsAndProductsOfWhatItsPartsHold) {
   }
 }
 
-// Points alone: the radius is then rounding's.
+// Only points: the radius then bounds rounding errors only.
 TEST(Enclosure, BoundsTheRoundingOfProducts) {
   std::mt19937 random(4);
   for (int trial = 0; trial < 200; ++trial) {
@@ -63,13 +62,13 @@ TEST(Enclosure, BoundsTheRoundingOfProducts) {
   }
 }
 
-TEST(EnclosedHold, HoldsTheExponentialAndItsIntegral) {
+TEST(EnclosedHold, ContainsTheExponentialAndItsIntegral) {
   std::mt19937 random(5);
   for (const double dt : {1e-3, 0.1, 1.0, 4.0}) {
     const MatrixXd A = random_matrix(random, 4, 4);
     const EnclosedHold hold = enclosed_hold(Enclosure(A), {dt, 0});
     const testing::ExtendedHold exact = testing::extended_hold(A, MatrixXd::Identity(4, 4), dt);
-    // The reference is rounded to doubles: half a unit of its own entries is allowed for.
+    // The reference is rounded to doubles: half a unit in the last place of its entries is allowed.
     const Enclosure slack(MatrixXd::Zero(4, 4), 0x1p-52 * exact.E.cwiseAbs());
     const Enclosure slack_integral(MatrixXd::Zero(4, 4), 0x1p-52 * exact.integral.cwiseAbs());
     EXPECT_TRUE(holds(hold.Phi + slack, exact.E.cast<long double>())) << dt;
@@ -78,8 +77,8 @@ TEST(EnclosedHold, HoldsTheExponentialAndItsIntegral) {
   }
 }
 
-// An interval of matrices: every member's exponential is in it.
-TEST(EnclosedHold, HoldsTheExponentialsOfAnInterval) {
+// An interval of matrices: the enclosure contains the exponential of every member.
+TEST(EnclosedHold, ContainsTheExponentialsOfAnInterval) {
   std::mt19937 random(6);
   for (int trial = 0; trial < 50; ++trial) {
     const MatrixXd A = random_matrix(random, 3, 3);
@@ -105,35 +104,36 @@ TEST(EnclosedHold, BoundsTheCurvatureOfTheExponential) {
   EXPECT_LE(bound, exact * (1 + 1e-9));
 }
 
-// Definite by less than rounding is not proved; by more it is, and the bound is below the truth.
-TEST(LeastEigenvalueBound, ProvesWhatIsDefiniteAndNothingElse) {
+// Definiteness by less than rounding is not proved. Otherwise it is proved, and the bound is below
+// the true value.
+TEST(LeastEigenvalueBound, ProvesExactlyDefiniteMatrices) {
   std::mt19937 random(8);
   for (int trial = 0; trial < 100; ++trial) {
     const MatrixXd V = random_matrix(random, 5, 5);
     const Eigen::HouseholderQR<MatrixXd> qr(V);
     const MatrixXd U = qr.householderQ();
-    for (const double least : {1e-3, 1e-9, -1e-14, -1e-9}) {
+    for (const double min : {1e-3, 1e-9, -1e-14, -1e-9}) {
       Eigen::VectorXd values(5);
-      values << least, 0.5, 1, 2, 1;
+      values << min, 0.5, 1, 2, 1;
       const MatrixXd S = U * values.asDiagonal() * U.transpose();
-      const double bound = least_eigenvalue_bound(Enclosure(0.5 * (S + S.transpose())));
-      if (least > 0) {
-        EXPECT_GT(bound, 0.2 * least) << least;
-        EXPECT_LE(bound, least + 1e-14);
+      const double bound = min_eigenvalue_bound(Enclosure(0.5 * (S + S.transpose())));
+      if (min > 0) {
+        EXPECT_GT(bound, 0.2 * min) << min;
+        EXPECT_LE(bound, min + 1e-14);
       } else {
-        EXPECT_LE(bound, 0) << least;
+        EXPECT_LE(bound, 0) << min;
       }
     }
   }
 }
 
-TEST(LeastEigenvalueBound, TakesTheRadiusFromIt) {
+TEST(LeastEigenvalueBound, SubtractsTheRadius) {
   const Enclosure S(MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.1));
-  EXPECT_GT(least_eigenvalue_bound(S), 0);
-  EXPECT_LE(least_eigenvalue_bound(S), 0.7);
-  EXPECT_LE(least_eigenvalue_bound({MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.4)}), 0);
+  EXPECT_GT(min_eigenvalue_bound(S), 0);
+  EXPECT_LE(min_eigenvalue_bound(S), 0.7);
+  EXPECT_LE(min_eigenvalue_bound({MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.4)}), 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(least_eigenvalue_bound(Enclosure(MatrixXd::Constant(2, 2, nan))) > 0);
+  EXPECT_FALSE(min_eigenvalue_bound(Enclosure(MatrixXd::Constant(2, 2, nan))) > 0);
 }
 
 }  // namespace

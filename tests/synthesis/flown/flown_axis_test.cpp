@@ -36,7 +36,7 @@ FlownPlant plant_of(const std::string& name, EstimatorKind estimator, double dt 
   return flown_plant(setup, options);
 }
 
-/// Moderate gains of each state on its group's component of the wrench.
+/// Moderate gains from each state to the wrench component of its group.
 MatrixXd gains_of(const Vehicle& vehicle) {
   const Eigen::Vector3d J = vehicle.inertia.diagonal();
   MatrixXd F = MatrixXd::Zero(4, 12);
@@ -60,7 +60,7 @@ std::vector<double> sizes(const PeriodicLti& plant, const MatrixXd& F) {
 }
 
 /// The groups are independent: their poles are those of the whole loop.
-TEST(FlownAxis, GroupsTogetherHaveThePolesOfTheWholeLoop) {
+TEST(FlownAxis, GroupsHaveThePolesOfTheWholeLoop) {
   struct Case {
     const char* vehicle;
     EstimatorKind estimator;
@@ -82,8 +82,9 @@ TEST(FlownAxis, GroupsTogetherHaveThePolesOfTheWholeLoop) {
     }
     std::vector<double> whole = sizes(plant.plant, F);
     std::sort(parts.begin(), parts.end(), std::greater<>());
-    // The largest count; poles at 0 are multiple and move with rounding. A state that two groups
-    // share, as the speed of a rotor, counts once in the whole: each of its poles is elsewhere too.
+    // Only the largest poles are compared, because the poles at 0 are multiple and sensitive to
+    // rounding. A state that two groups share, such as the speed of a rotor, occurs once in the
+    // whole loop.
     for (std::size_t i = 0; i < 12; ++i) {
       double nearest = 1;
       for (const double size : parts) nearest = std::min(nearest, std::abs(size - whole[i]));
@@ -94,10 +95,10 @@ TEST(FlownAxis, GroupsTogetherHaveThePolesOfTheWholeLoop) {
   }
 }
 
-/// A magnetometer observes the heading: the plant can rest at any.
-/// A state that repeats with the sample clocks, and outputs that stand still in every period: also
-/// where samples are on their way in some periods only.
-TEST(FlownAxis, APlantRestsWhereItsSetPointIs) {
+/// A magnetometer observes the heading: the plant has a steady state at any heading. The steady
+/// state is periodic with the sample clocks, and the outputs are constant in every period, also if
+/// samples are delayed in some periods only.
+TEST(FlownAxis, RestAtIsASteadyState) {
   for (const FlownPlant& plant :
        {plant_of("uquad", EstimatorKind::uquad, 0.01), plant_of("uquad", EstimatorKind::general),
         plant_of("mambo", EstimatorKind::general)})
@@ -115,8 +116,8 @@ TEST(FlownAxis, APlantRestsWhereItsSetPointIs) {
     }
 }
 
-/// Cost of u = -F y from a step of the set point: the sum over a flight in which it moves.
-TEST(FlownAxis, CostIsThatOfAStepOfTheSetPoint) {
+/// The cost of u = -F y after a step of the set point equals the sum over a simulated step.
+TEST(FlownAxis, CostEqualsThatOfASimulatedStep) {
   const FlownPlant plant = plant_of("crazyflie", EstimatorKind::truth);
   const PeriodicLti part = axis_part(plant, FlownAxis::altitude);
   AxisWeights weights;
@@ -146,11 +147,13 @@ TEST(FlownAxis, RefusesWhatDoesNotFit) {
   const PeriodicLti part = axis_part(plant, FlownAxis::yaw);
   AxisWeights weights;
   weights.q = Eigen::Vector3d::Ones();
-  EXPECT_THAT([&] { (void)axis_problem(part, FlownAxis::yaw, weights, 0); },
-              ThrowsMessage<InvalidInput>(HasSubstr("flown axis: 3 weights came for 2 outputs")));
+  EXPECT_THAT(
+      [&] { (void)axis_problem(part, FlownAxis::yaw, weights, 0); },
+      ThrowsMessage<InvalidInput>(HasSubstr("flown axis: there are 3 weights and 2 outputs")));
   plant.plant.inputs[0].name = "w1";
   EXPECT_THAT([&] { (void)axis_part(plant, FlownAxis::yaw); },
-              ThrowsMessage<InvalidInput>(HasSubstr("flown axis: the plant has other inputs")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("flown axis: the inputs or outputs of the plant are wrong")));
 }
 
 }  // namespace

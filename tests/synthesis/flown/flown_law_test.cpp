@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: Apache-2.0
-// The linear law that margins and syntheses use is the law that runs on board.
+// SPDX-License-Identifier: Apache-2.0 The linear law used for margins and synthesis equals the
+// on-board law.
 #include <gmock/gmock.h>
 
 #include <random>
@@ -38,7 +38,7 @@ Gains random_gains(std::mt19937_64& random, int past) {
   return gains;
 }
 
-TEST(FlownLaw, IsTheOneOnBoard) {
+TEST(FlownLaw, EqualsTheOnBoardLaw) {
   const Vehicle mambo = load_vehicle("mambo");
   std::mt19937_64 random(1);
   for (const int past : {0, 1, 4}) {
@@ -53,7 +53,7 @@ TEST(FlownLaw, IsTheOneOnBoard) {
       estimate.x = 0.1 * draw(random, 12, 1);
       const Reference<double> origin;
       const auto u = step(settings, state, estimate, origin);
-      carried_out(settings, state, u, u);
+      on_realized(settings, state, u, u);
       const VectorXd linear = law.C * x + law.D * estimate.x;
       EXPECT_THAT(VectorXd(u.head(4) - gains.u0), MatrixNear(linear, 1e-12)) << past << " " << k;
       x = (law.A * x + law.B * estimate.x).eval();

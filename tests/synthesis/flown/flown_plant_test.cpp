@@ -26,7 +26,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// What is random or not linear taken away; clocks, delays and responses stay.
+/// Removes random and nonlinear effects; keeps clocks, delays and responses.
 void quieten(std::optional<SensorFaults>& sensor) {
   if (!sensor) return;
   sensor->bias.setZero();
@@ -60,7 +60,7 @@ Vehicle quiet(const std::string& name) {
   return vehicle;
 }
 
-/// Moderate gains that any of the vehicles can fly, in proportion to mass and inertia.
+/// Moderate gains that suit all vehicles, proportional to mass and inertia.
 CascadeGains mild_gains(const Vehicle& vehicle, double dt) {
   const double g = vehicle.gravity, m = vehicle.mass;
   const Eigen::Vector3d J = vehicle.inertia.diagonal();
@@ -110,7 +110,7 @@ FlightSetup flight(const Vehicle& vehicle, EstimatorKind estimator, double dt) {
   return setup;
 }
 
-/// What the law of the setup believes after the step, (12 × periods), by the linear model.
+/// The estimates of the linear model after the step, (12 × periods).
 MatrixXd predicted(const FlightSetup& setup, double dt, const FlownPlant& plant) {
   const auto& c = std::get<CascadeController>(setup.controller);
   const DiscreteLti law = cascade_law(c.gains, c.method);
@@ -156,12 +156,12 @@ void expect_that_it_flies_as_predicted(const FlightSetup& setup, double dt) {
   }
 }
 
-TEST(FlownPlant, IsWhatFliesWithTrueStates) {
+TEST(FlownPlant, MatchesAFlightWithTrueStates) {
   for (const char* name : {"mambo", "crazyflie", "uquad"})
     expect_that_it_flies_as_predicted(flight(quiet(name), EstimatorKind::truth, 0.005), 0.005);
 }
 
-/// A vehicle whose commands come late and whose rotors feel the air.
+/// A vehicle with delayed commands and with rotors that are affected by the air speed.
 Vehicle late_and_windy(const std::string& name, double delay) {
   Vehicle vehicle = quiet(name);
   vehicle.motor.delay = delay;
@@ -176,7 +176,7 @@ Vehicle late_and_windy(const std::string& name, double delay) {
   return vehicle;
 }
 
-TEST(FlownPlant, IsWhatFliesWithLateCommandsAndRotorsThatFeelTheAir) {
+TEST(FlownPlant, MatchesAFlightWithDelayedCommandsAndAirSpeedAtTheRotors) {
   expect_that_it_flies_as_predicted(
       flight(late_and_windy("mambo", 0.0037), EstimatorKind::truth, 0.005), 0.005);
   expect_that_it_flies_as_predicted(
@@ -185,7 +185,7 @@ TEST(FlownPlant, IsWhatFliesWithLateCommandsAndRotorsThatFeelTheAir) {
       flight(late_and_windy("mambo", 0.006), EstimatorKind::mambo, 0.005), 0.005);
 }
 
-/// The vehicle's own delay and that of the options are one after the other; of jitter the mean.
+/// The delays of the vehicle and of the options add up; jitter contributes its mean.
 TEST(FlownPlant, AddsTheVehiclesDelayToTheOptions) {
   const auto plant = [](double own, double jitter, double more) {
     FlightSetup setup = flight(quiet("mambo"), EstimatorKind::truth, 0.005);
@@ -201,11 +201,11 @@ TEST(FlownPlant, AddsTheVehiclesDelayToTheOptions) {
     EXPECT_LT((same.plant.A[0] - all.plant.A[0]).norm() + (same.plant.B[0] - all.plant.B[0]).norm(),
               1e-9);
   EXPECT_EQ(plant(0.006, 0.005, 0).notes,
-            std::vector<std::string>{"the commands' jitter of up to 0.005 s is in the model as its "
-                                     "mean, 0.0025 s"});
+            std::vector<std::string>{"the jitter of the commands of up to 0.005 s is modeled by "
+                                     "its mean, 0.0025 s"});
 }
 
-TEST(FlownPlant, HasTheSlowerOfTwoLagsAndSaysSo) {
+TEST(FlownPlant, UsesTheSlowerOfTwoLagsAndNotesIt) {
   const auto plant = [](double up, double down) {
     FlightSetup setup = flight(quiet("crazyflie"), EstimatorKind::truth, 0.005);
     for (Rotor& rotor : setup.vehicle.rotors) {
@@ -219,12 +219,12 @@ TEST(FlownPlant, HasTheSlowerOfTwoLagsAndSaysSo) {
   EXPECT_EQ(plant(0.05, 0.02).plant.A[0], plant(0.05, both).plant.A[0]);
   EXPECT_TRUE(plant(0.05, 0.05).notes.empty());
   EXPECT_EQ(plant(0.02, 0.05).notes,
-            std::vector<std::string>{"the rotors' speeds rise and fall with different lags; the "
-                                     "model has the slower one for both directions"});
+            std::vector<std::string>{"the rotors spin up and down with different lags; the model "
+                                     "uses the slower one for both directions"});
 }
 
-// Satellite fixes of 1 Hz are left out beside optical flow that is enough, not where the height
-// would come from them alone, or where the flow sensor does not see the ground.
+// Satellite fixes at 1 Hz are omitted if optical flow suffices, but not if they are the only source
+// of the height, or if the ground is out of range of the flow sensor.
 TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   Vehicle vehicle = quiet("mambo");
   vehicle.sensors.gps = GpsSensor();
@@ -239,7 +239,7 @@ TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   const std::size_t by_flow = period(vehicle, 1.1);
   EXPECT_LT(by_flow, 200U);
   Vehicle low = vehicle;
-  low.sensors.flow->greatest_height = 2;
+  low.sensors.flow->max_height = 2;
   EXPECT_EQ(period(low, 1.1), by_flow);
   EXPECT_EQ(period(low, 3) % 200, 0U);
   Vehicle bare = vehicle;
@@ -248,8 +248,8 @@ TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   EXPECT_EQ(period(bare, 1.1) % 200, 0U);
 }
 
-// Clocks of 30 and 60 Hz, whose instants carry rounding.
-TEST(FlownPlant, HasTheSameBitsByOneThreadAndByMany) {
+// Clocks of 30 and 60 Hz, whose sample times contain rounding errors.
+TEST(FlownPlant, IsBitwiseIndependentOfTheNumberOfThreads) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   FlightSetup setup = flight(vehicle, EstimatorKind::general, 0.005);
   FlownPlantOptions options;
@@ -258,7 +258,7 @@ TEST(FlownPlant, HasTheSameBitsByOneThreadAndByMany) {
   options.noise = true;
   std::vector<FlownPlant> plants(4);
   for (const std::size_t threads : {1, 4}) {
-    // Within shared work a plant is assembled by the one thread that asks for it.
+    // Inside a parallel section a plant is assembled by the calling thread only.
     const auto one = [&](std::size_t i) { plants[i] = flown_plant(setup, options); };
     internal::in_parallel(threads == 1 ? 1 : 3, threads, [&] { return one; }, {});
     if (threads == 1) plants[3] = plants[0];
@@ -270,35 +270,35 @@ TEST(FlownPlant, HasTheSameBitsByOneThreadAndByMany) {
   }
 }
 
-TEST(FlownPlant, SaysWhatGroundEffectItLeavesOut) {
+TEST(FlownPlant, NotesTheOmittedGroundEffect) {
   FlightSetup setup = flight(quiet("mambo"), EstimatorKind::truth, 0.005);
   for (Rotor& rotor : setup.vehicle.rotors) rotor.ground_effect = true;
   FlownPlantOptions options;
   EXPECT_TRUE(flown_plant(setup, options).notes.empty());
   options.height = 0.033;  // a radius: 1/(1 - 1/16) = 1.067
   EXPECT_EQ(flown_plant(setup, options).notes,
-            std::vector<std::string>{"the model leaves the ground effect out; at a height of 0.033 "
-                                     "m it adds 6.7 % of thrust"});
+            std::vector<std::string>{"the model omits the ground effect; at a height of 0.033 m "
+                                     "it adds 6.7 % of thrust"});
 }
 
-TEST(FlownPlant, IsWhatFliesWithTheMambosEstimator) {
+TEST(FlownPlant, MatchesAFlightWithTheMambosEstimator) {
   expect_that_it_flies_as_predicted(flight(quiet("mambo"), EstimatorKind::mambo, 0.005), 0.005);
   expect_that_it_flies_as_predicted(flight(quiet("crazyflie"), EstimatorKind::mambo, 0.004), 0.004);
 }
 
-TEST(FlownPlant, IsWhatFliesWithTheUquadsFilter) {
+TEST(FlownPlant, MatchesAFlightWithTheUquadsFilter) {
   expect_that_it_flies_as_predicted(flight(quiet("uquad"), EstimatorKind::uquad, 0.01), 0.01);
 }
 
-/// Of the slowest decaying or growing oscillation in a record long after what else there was:
-/// x[k + 2m] = 2 Re(z^m) x[k + m] - |z^m|² x[k].
+/// Fits the slowest decaying or growing oscillation in a record, after all other modes have
+/// decayed: x[k + 2m] = 2 Re(z^m) x[k + m] - |z^m|² x[k].
 std::complex<double> fitted_pole(const std::vector<double>& x, std::size_t first, std::size_t m) {
   const auto rows = static_cast<Index>(x.size() - first - 2 * m);
   MatrixXd M(rows, 2);
   VectorXd b(rows);
   for (Index i = 0; i < rows; ++i) {
     const std::size_t k = first + static_cast<std::size_t>(i);
-    // Each row counts as much, however much the oscillation has grown.
+    // Scale each row to the same weight, independent of the growth of the oscillation.
     const double scale = 1 / (std::abs(x[k]) + std::abs(x[k + m]) + std::abs(x[k + 2 * m]));
     M.row(i) << scale * x[k + m], scale * x[k];
     b(i) = scale * x[k + 2 * m];
@@ -309,7 +309,7 @@ std::complex<double> fitted_pole(const std::vector<double>& x, std::size_t first
   return std::pow(z, 1.0 / static_cast<double>(m));
 }
 
-/// The poles of the loop of a setup as it flies.
+/// The poles of the flown loop of a setup.
 Eigen::VectorXcd flown_poles(const FlightSetup& setup, double dt) {
   FlownPlantOptions options;
   options.dt = dt;
@@ -319,7 +319,7 @@ Eigen::VectorXcd flown_poles(const FlightSetup& setup, double dt) {
   return periodic_poles(closed(cut_at_inputs(plant.plant, flown_law(setup))));
 }
 
-/// Rate of growth and frequency within one in a hundred of what a fit to the flight finds.
+/// Growth rate and frequency agree with a fit to the flight within 1 %.
 void expect_the_fitted_pole(const FlightSetup& setup, double dt, const std::string& state,
                             double from, double until, std::size_t m) {
   FlightSetup longer = setup;
@@ -329,7 +329,7 @@ void expect_the_fitted_pole(const FlightSetup& setup, double dt, const std::stri
   const LogColumn* column = result.log.find("x." + state);
   ASSERT_NE(column, nullptr);
   std::vector<double> x = column->values;
-  // Differences, so that the place to which it goes does not matter.
+  // Differences, so that the final position does not matter.
   for (std::size_t k = 0; k + m < x.size(); ++k) x[k] = x[k + m] - x[k];
   x.resize(x.size() - m);
   const std::complex<double> fit =
@@ -339,17 +339,17 @@ void expect_the_fitted_pole(const FlightSetup& setup, double dt, const std::stri
   EXPECT_NEAR(std::abs(fit.imag()), std::abs(pole.imag()), 0.01 * std::abs(pole.imag()));
 }
 
-TEST(FlownPlant, PredictsTheGrowthThatAFlightShows) {
-  // The cascade of the Mambo thesis beside an attitude filter of 1 s: slowly unstable.
+TEST(FlownPlant, PredictsTheGrowthRateOfAFlight) {
+  // The cascade of the Mambo thesis with an attitude filter of 1 s: slowly unstable.
   FlightSetup setup = flight(quiet("mambo"), EstimatorKind::mambo, 0.005);
   std::get<CascadeController>(setup.controller).gains = setup.vehicle.published_cascade->gains;
   setup.mambo_estimator.attitude_time_constant = 1;
   expect_the_fitted_pole(setup, 0.005, "v", 35, 50, 60);
 }
 
-/// Weights and result of the independent check of the flown loop: an LQR that does not know of the
-/// motors' lag of 72 ms.
-TEST(FlownPlant, TellsThatAnLqrWithoutTheLagIsUnstable) {
+/// Weights and result of the independent check of the flown loop: an LQR that was designed without
+/// the motor lag of 72 ms.
+TEST(FlownPlant, ShowsThatAnLqrWithoutTheLagIsUnstable) {
   FlightSetup setup = flight(quiet("crazyflie"), EstimatorKind::truth, 0.005);
   for (Rotor& rotor : setup.vehicle.rotors) rotor.drag = rotor.inflow = 0;  // they damp it
   const LinearizeOptions words{"ned", InputKind::wrench, {}};
@@ -379,9 +379,9 @@ TEST(FlownPlant, TellsThatAnLqrWithoutTheLagIsUnstable) {
   EXPECT_LT(std::abs(flown_poles(setup, 0.005)(0)), 0.997);
 }
 
-/// A late gyroscope and a fresh image make a loop that grows with height, until their instants are
-/// aligned.
-TEST(FlownPlant, TellsWhatAlignsFlowAndGyroscope) {
+/// A delayed gyroscope and an undelayed image form a loop whose gain increases with height, unless
+/// their sample times are aligned.
+TEST(FlownPlant, ShowsTheEffectOfAligningFlowAndGyroscope) {
   FlightSetup setup = flight(quiet("mambo"), EstimatorKind::mambo, 0.005);
   auto& gains = std::get<CascadeController>(setup.controller).gains;
   for (PidLoop& loop : gains.loops) {
@@ -428,9 +428,9 @@ TEST(FlownPlant, DelaysCommandsAsTheDelayedHoldDoes) {
   }
 }
 
-TEST(FlownPlant, HasTheTorqueThatSpeedsTheRotorsUp) {
-  // Just after a step of the commands the yaw turns by J_r ω' alone: 1/(z lag) times as fast as the
-  // drag torque will turn it, z = 2 d2 ω/J_r = 4.0 rad/s of the Mambo.
+TEST(FlownPlant, IncludesTheReactionTorqueOfTheRotors) {
+  // Just after a step of the commands only J_r ω' accelerates the yaw: 1/(z lag) times as fast as
+  // the drag torque will, z = 2 d2 ω/J_r = 4.0 rad/s of the Mambo.
   const double dt = 1e-6;
   FlightSetup setup = flight(quiet("mambo"), EstimatorKind::truth, dt);
   FlownPlantOptions options;
@@ -451,7 +451,7 @@ TEST(FlownPlant, HasTheTorqueThatSpeedsTheRotorsUp) {
   }
 }
 
-TEST(FlownPlant, NamesWhatNoSensorSees) {
+TEST(FlownPlant, NamesUnobservedStates) {
   const auto drifts = [](const char* vehicle, EstimatorKind estimator) {
     return names(
         flown_plant(flight(quiet(vehicle), estimator, 0.01), {InputKind::wrench, 0.01}).drifts);
@@ -461,7 +461,7 @@ TEST(FlownPlant, NamesWhatNoSensorSees) {
   EXPECT_EQ(drifts("mambo", EstimatorKind::truth), "");
 }
 
-TEST(FlownPlant, RefusesWhatItCannotBeBuiltFor) {
+TEST(FlownPlant, RejectsInvalidInput) {
   const auto refused = [](const FlightSetup& setup, const FlownPlantOptions& options,
                           const std::string& why) {
     try {
@@ -482,13 +482,13 @@ TEST(FlownPlant, RefusesWhatItCannotBeBuiltFor) {
   refused(setup, {InputKind::wrench, 0.005, 1, 0.21}, "expected 0 to 40 control periods");
   FlightSetup late = setup;
   late.vehicle.sensors.gyroscope->delay = 0.31;
-  refused(late, {}, "the gyroscope is 0.31 s late, expected at most 40 control periods");
+  refused(late, {}, "the gyroscope has a delay of 0.31 s, expected at most 40 control periods");
   FlightSetup heavy = setup;
   heavy.vehicle.mass = 10;
   refused(heavy, {}, "'mambo' cannot hover");
 }
 
-/// A clock that has no common round with the law's is rounded, and that is said.
+/// A clock that has no common period with the law is rounded, and a note reports it.
 TEST(FlownPlant, RoundsClocksThatDoNotRepeat) {
   FlightSetup setup = flight(quiet("mambo"), EstimatorKind::mambo, 0.005);
   setup.vehicle.sensors.flow->faults.rate = 59.9371;

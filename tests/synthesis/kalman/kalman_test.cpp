@@ -31,8 +31,8 @@ DiscreteLti altitude_model() {
   return model;
 }
 
-// Table 3.1's filter. MATLAB's numbers are quoted in docs/bibliography.md; the sixteen digits here
-// are their 50-digit recomputation.
+// The filter of table 3.1. MATLAB's numbers are quoted in docs/bibliography.md; the sixteen digits
+// here are their 50-digit recomputation.
 TEST(Kalman, MamboAltitudeGain) {
   const KalmanResult result =
       kalman(altitude_model(), {Eigen::Vector2d(0, 1), scalar(5e-4), scalar(0.1), {}});
@@ -72,7 +72,7 @@ TEST(Kalman, MatchesEveryReferenceCase) {
   }
 }
 
-// Random walk seen with noise: P = (q + sqrt(q² + 4 q r)) / 2.
+// A random walk that is measured with noise: P = (q + sqrt(q² + 4 q r)) / 2.
 TEST(Kalman, LocalLevelInClosedForm) {
   DiscreteLti model;
   model.A = model.C = scalar(1);
@@ -128,7 +128,7 @@ TEST(Kalman, CorrelatedNoiseEqualsItsDecorrelatedForm) {
   }
 }
 
-// The filter of samples tends to the continuous one: P and L / dt.
+// The sampled filter converges to the continuous one: P and L / dt.
 TEST(Kalman, SampledTendsToContinuous) {
   ContinuousLti model;
   model.A = (Eigen::MatrixXd(2, 2) << 0, 1, 0, 0).finished();
@@ -142,12 +142,12 @@ TEST(Kalman, SampledTendsToContinuous) {
   EXPECT_THAT(sampled.P, MatrixRelativelyNear(continuous.P, 1e-3));
 }
 
-TEST(Kalman, NamesTheStateThatIsNotSeen) {
+TEST(Kalman, NamesTheUnobservableState) {
   DiscreteLti model = altitude_model();
   model.C = Eigen::RowVector2d(0, 1);  // velocity alone says nothing of height
   const KalmanResult result = kalman(model, {{}, Eigen::MatrixXd::Identity(2, 2), scalar(1), {}});
   EXPECT_EQ(result.status, RiccatiStatus::not_detectable);
-  EXPECT_THAT(result.culprit, HasSubstr("z cannot be seen by the measurements"));
+  EXPECT_THAT(result.culprit, HasSubstr("z cannot be observed by the measurements"));
 }
 
 TEST(Kalman, RefusesBadCovariancesAndShapes) {
@@ -160,11 +160,11 @@ TEST(Kalman, RefusesBadCovariancesAndShapes) {
       [] {
         (void)kalman(altitude_model(), {{}, Eigen::Vector2d(1, -1).asDiagonal(), scalar(1), {}});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("Q has eigenvalue -1, expected Q >= 0")));
+      ThrowsMessage<InvalidInput>(HasSubstr("Q has the eigenvalue -1, expected Q >= 0")));
 }
 
-// A correlation beyond 1 is none, however small the noises; one of exactly 1 is.
-TEST(Kalman, RefusesNoisesCorrelatedMoreThanFully) {
+// A correlation that exceeds 1 is rejected, however small the noises; one of exactly 1 is accepted.
+TEST(Kalman, RejectsCorrelationsAboveOne) {
   for (const double size : {1.0, 1e-9, 1e9}) {
     const auto found = [&](double correlation) {
       KalmanNoise noise = {Eigen::Vector2d(0, 1), scalar(size * size), scalar(1), {}};
@@ -175,13 +175,13 @@ TEST(Kalman, RefusesNoisesCorrelatedMoreThanFully) {
     EXPECT_NO_THROW((void)found(1));  // but nothing drives the states that v does not tell
     for (const double correlation : {1.001, -2.0})
       EXPECT_THAT([&] { (void)found(correlation); },
-                  ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] has an eigenvalue below 0")));
+                  ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] is indefinite")));
   }
   EXPECT_THAT(
       [] {
         (void)kalman(altitude_model(), {Eigen::Vector2d(0, 1), scalar(0), scalar(1), scalar(1e-9)});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] has an eigenvalue below 0")));
+      ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] is indefinite")));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ MatrixXd random_matrix(std::mt19937& random, Index rows, Index cols) {
   return MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
 }
 
-/// A plant of N different matrices, each with |eigenvalue| < 1, and weights that couple everything.
+/// A plant with N different matrices, each with |eigenvalues| < 1, and fully coupled weights.
 OutputFeedbackProblem random_problem(std::mt19937& random, std::size_t N, Index nx, Index nu,
                                      Index ny) {
   OutputFeedbackProblem problem;
@@ -45,7 +45,7 @@ OutputFeedbackProblem random_problem(std::mt19937& random, std::size_t N, Index 
   return problem;
 }
 
-/// Small gains that leave the loop stable.
+/// Small gains with which the loop is stable.
 MatrixXd mild_gain(std::mt19937& random, const OutputFeedbackProblem& problem) {
   MatrixXd F = random_matrix(random, problem.R.rows(), problem.plant.C.rows());
   while (!output_feedback_cost(problem, F).stable) F /= 2;
@@ -69,7 +69,7 @@ TEST(OutputFeedback, CostIsTheSumOfASimulation) {
 }
 
 /// Central differences with Richardson's extrapolation, whose error is of the order h⁴.
-TEST(OutputFeedback, SlopeIsThatOfDifferences) {
+TEST(OutputFeedback, SlopeMatchesDifferences) {
   std::mt19937 random(2);
   for (const std::size_t N : {1U, 3U, 10U}) {
     const OutputFeedbackProblem problem = random_problem(random, N, 5, 2, 4);
@@ -95,7 +95,7 @@ TEST(OutputFeedback, SlopeIsThatOfDifferences) {
 }
 
 /// x⁺ = a x + b u, u = -f x: x0² (q + r f²)/(1 - (a - b f)²).
-TEST(OutputFeedback, HasTheClosedFormOfOneState) {
+TEST(OutputFeedback, MatchesTheClosedFormOfOneState) {
   OutputFeedbackProblem problem;
   problem.plant.A = {MatrixXd::Constant(1, 1, 1.2)};
   problem.plant.B = {MatrixXd::Constant(1, 1, 0.5)};
@@ -107,7 +107,7 @@ TEST(OutputFeedback, HasTheClosedFormOfOneState) {
   const MatrixXd F = MatrixXd::Constant(1, 1, 0.9);
   const double a = 1.2 - 0.5 * 0.9;
   EXPECT_NEAR(output_feedback_cost(problem, F).cost, 0.49 * (2 + 3 * 0.81) / (1 - a * a), 1e-14);
-  // 1.2 - 0.5 f = ±1: neither converges nor diverges, and is not stable.
+  // 1.2 - 0.5 f = ±1: the response neither converges nor diverges; the loop is not stable.
   for (const double f : {0.4, 4.4, 0.3, 5.0}) {
     const OutputFeedbackCost cost = output_feedback_cost(problem, MatrixXd::Constant(1, 1, f));
     EXPECT_FALSE(cost.stable) << f;
@@ -130,7 +130,8 @@ TEST(OutputFeedback, OfAllStatesIsStationaryAtTheRegulator) {
               1e-10 * cost.cost);
 }
 
-/// The law i⁺ = i + dt y, u = -F y - G (i + now dt y) as the plant with its integral appended.
+/// The law i⁺ = i + dt y, u = -F y - G (i + now dt y) is equivalent to the plant with an appended
+/// integral.
 TEST(OutputFeedback, IntegralsAreThoseOfTheLaw) {
   std::mt19937 random(4);
   const OutputFeedbackProblem problem = random_problem(random, 2, 3, 1, 2);
@@ -166,7 +167,7 @@ TEST(MarginPenalty, IsTheSumOfSquaresOfTheViolations) {
   EXPECT_TRUE(none.slope.isZero(0));
 }
 
-TEST(MarginPenalty, SlopeIsThatOfDifferences) {
+TEST(MarginPenalty, SlopeMatchesDifferences) {
   std::mt19937 random(6);
   const Eigen::MatrixXcd response =
       random_matrix(random, 3, 20) + std::complex<double>(0, 1) * random_matrix(random, 3, 20);
@@ -194,9 +195,10 @@ TEST(OutputFeedback, RefusesWhatDoesNotFit) {
   bad.Q(0, 1) = std::nan("");
   EXPECT_THAT([&] { (void)output_feedback_cost(bad, MatrixXd::Zero(1, 2)); },
               ThrowsMessage<InvalidInput>(HasSubstr("output feedback: Q has nan at (1,2)")));
-  EXPECT_THAT([&] { (void)with_integrals(problem.plant, {2}, 0); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("output feedback: output 2 to integrate, expected 0 to 1")));
+  EXPECT_THAT(
+      [&] { (void)with_integrals(problem.plant, {2}, 0); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "output feedback: output 2 cannot be integrated, expected an index from 0 to 1")));
   EXPECT_THAT(
       [&] { (void)margin_penalty(Eigen::MatrixXcd::Zero(2, 1), Eigen::RowVectorXd::Zero(3), {}); },
       ThrowsMessage<InvalidInput>(

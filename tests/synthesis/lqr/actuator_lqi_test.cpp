@@ -58,7 +58,7 @@ TEST(ActuatorLqi, WithoutLagIsTheSampledRegulator) {
   EXPECT_EQ(lqi.gains.axes, PositionAxes::heading);
 }
 
-/// The nearest pole of `poles` to each of `expected`, largest distance.
+/// The maximum distance of the poles in `expected` to their nearest pole in `poles`.
 double distance(const Eigen::VectorXcd& expected, const Eigen::VectorXcd& poles) {
   double worst = 0;
   for (const std::complex<double>& z : expected)
@@ -66,9 +66,9 @@ double distance(const Eigen::VectorXcd& expected, const Eigen::VectorXcd& poles)
   return worst;
 }
 
-/// The law as it flies on the complete plant with true states has the poles of the Riccati
-/// equation: the model, the memory of the law and its integral agree with what is simulated.
-TEST(ActuatorLqi, FliesWithThePolesOfItsRiccatiEquation) {
+/// With true states, the law on the complete plant has the poles of the Riccati equation: the
+/// model, the memory of the law and its integral agree with the simulation.
+TEST(ActuatorLqi, HasThePolesOfItsRiccatiEquationInFlight) {
   struct Case {
     const char* vehicle;
     double lag;
@@ -106,13 +106,13 @@ TEST(ActuatorLqi, FliesWithThePolesOfItsRiccatiEquation) {
     const FlownPlant plant = flown_plant(setup, of_plant);
     const Eigen::VectorXcd flown = periodic_poles(
         closed(cut_at_inputs(plant.plant, flown_law(vehicle, lqi.gains, options.dt))));
-    // Poles at 0 are multiple, so rounding moves them far.
+    // Poles at 0 are multiple and therefore sensitive to rounding.
     EXPECT_LT(distance(expected, flown), one.past > 0 ? 2e-4 : 1e-8) << one.vehicle << one.past;
     EXPECT_LT(flown.cwiseAbs().maxCoeff(), 1);
   }
 }
 
-/// The change of the command costs: the first step of the command becomes smaller.
+/// A weight on the change of the command reduces its first step.
 TEST(ActuatorLqi, WeightOnTheChangeSmoothsTheCommand) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   ActuatorLqiWeights weights = weights_of(vehicle, 0);
@@ -129,9 +129,9 @@ TEST(ActuatorLqi, WeightOnTheChangeSmoothsTheCommand) {
   }
 }
 
-/// Rotors that slow down later than they speed up are designed for as the slower ones, which is
-/// what the plant has that judges the law.
-TEST(ActuatorLqi, HasTheSlowerOfTwoLags) {
+/// For rotors with different lags up and down, the design uses the slower lag, as the flown plant
+/// does.
+TEST(ActuatorLqi, UsesTheSlowerOfTwoLags) {
   const auto gains = [](double up, double down) {
     Vehicle vehicle = lagging("crazyflie", up);
     for (Rotor& rotor : vehicle.rotors) rotor.lag_down = down;
@@ -162,11 +162,11 @@ TEST(ActuatorLqi, RefusesWhatDoesNotFit) {
   refusal("actuator LQI: past is 41, expected 0 to 40 control periods");
   options.past = 0;
   weights.R_change = weights.R;
-  refusal("actuator LQI: R_change came with past 0, expected past of at least 1");
+  refusal("actuator LQI: R_change is given but past is 0, expected past >= 1");
   weights.R_change.resize(0, 0);
   options.integrals = {"height"};
   weights.Q_integral = MatrixXd::Identity(1, 1);
-  refusal("actuator LQI: no state 'height' to integrate, expected some of: px py pz");
+  refusal("actuator LQI: no state 'height' to integrate, expected one of: px py pz");
   options.integrals = {};
   refusal("actuator LQI: Q_integral is 1x1, expected 0x0");
   weights.Q_integral.resize(0, 0);

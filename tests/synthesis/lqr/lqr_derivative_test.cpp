@@ -33,7 +33,7 @@ MatrixXd one(double x) { return MatrixXd::Constant(1, 1, x); }
 
 MatrixXd symmetric(const MatrixXd& M) { return 0.5 * (M + M.transpose()); }
 
-/// A plant of either time with weights, cross weights included.
+/// A continuous or discrete plant with weights, including cross weights.
 struct Problem {
   bool discrete = false;
   testing::RiccatiCase numbers;
@@ -75,8 +75,8 @@ MatrixXd difference(Function&& f, double h) {
   return (16 * second - first) / 15;
 }
 
-/// Central differences of X and K along `direction`. In 100 digits neither rounding nor the step is
-/// seen in a double.
+/// Central differences of X and K along `direction`, in 100 digits, so that neither rounding nor
+/// the step size affects the result in double precision.
 LqrTangent long_difference(const Problem& problem, const LqrWeights& direction) {
   const testing::LongRiccatiCase at(problem.numbers);
   const LongMatrix dQ = direction.Q.cast<LongReal>();
@@ -111,13 +111,13 @@ TEST_P(BothTimes, TangentIsTheLimitOfDifferences) {
       const LqrWeights direction = random_direction(nx, nu, random);
       const LqrTangent tangent = problem.derivative().along(direction);
       const LqrTangent expected = long_difference(problem, direction);
-      // X and K of a double, from which the tangent is computed, are off by 1e-12 themselves.
+      // X and K in double precision, from which the tangent is computed, have errors of 1e-12.
       EXPECT_THAT(tangent.dX, MatrixRelativelyNear(expected.dX, 1e-10)) << nx << " " << nu;
       EXPECT_THAT(tangent.dK, MatrixRelativelyNear(expected.dK, 1e-10)) << nx << " " << nu;
     }
 }
 
-// Σ Y∘dK by the tangent, and by the gradient: two ways through the same equations.
+// Σ Y∘dK by the tangent and by the gradient.
 TEST_P(BothTimes, GradientIsTheAdjointOfTheTangent) {
   std::mt19937_64 random(11);
   for (const Index nx : {1, 3, 8, 16}) {
@@ -137,7 +137,7 @@ TEST_P(BothTimes, GradientIsTheAdjointOfTheTangent) {
   }
 }
 
-// A cost times a number has the same gain, and that many times the cost.
+// A cost that is multiplied by a number has the same gain, and X is multiplied by the number.
 TEST_P(BothTimes, ScalingTheCostMovesXAndNotK) {
   std::mt19937_64 random(13);
   const Problem problem = random_problem(9, 2, GetParam(), random);
@@ -175,13 +175,13 @@ TEST(LqrDerivative, ScalarDiscreteInClosedForm) {
   EXPECT_NEAR(tangent.dK(0, 0), 1 / ((1 + phi) * (2 * phi - 1)), 1e-14);
 }
 
-TEST(LqrDerivative, RefusesWhatIsNotSolvedAndOtherShapes) {
+TEST(LqrDerivative, RejectsUnsolvedProblemsAndWrongShapes) {
   const ContinuousLti plant = {one(1), one(1), {}, {}, {}, {}, {}};
   const LqrWeights weights = {one(1), one(1), {}};
   EXPECT_THAT(([&] { (void)LqrDerivative(plant, weights, RiccatiResult{}); }),
               ThrowsMessage<InvalidInput>(
-                  HasSubstr("lqr_derivative: the Riccati equation is 'not run', expected one that "
-                            "is solved")));
+                  HasSubstr("lqr_derivative: the Riccati equation has status 'not run', expected "
+                            "'solved'")));
   const LqrDerivative at(plant, weights, lqr(plant, weights));
   EXPECT_THAT(([&] {
                 (void)at.along({MatrixXd::Identity(2, 2), {}, {}});
@@ -191,7 +191,7 @@ TEST(LqrDerivative, RefusesWhatIsNotSolvedAndOtherShapes) {
               ThrowsMessage<InvalidInput>(HasSubstr("Y has nan at (1,1)")));
 }
 
-// --- a design's diagonal weights -----------------------------------------------------------------
+// --- diagonal weights of a design ----------------------------------------------------------------
 
 /// A plant of states s1 … and inputs u1 …, two of its states integrated, diagonal weights over two
 /// decades.
@@ -256,7 +256,7 @@ TEST_P(EveryMethod, JacobianIsTheLimitOfDifferencesOfTheDesign) {
   for (Index i = 0; i < J.cols(); ++i)
     EXPECT_THAT(J.col(i), MatrixRelativelyNear(differences.col(i).eval(), 1e-7))
         << problem.names()[static_cast<std::size_t>(i)];
-  // The gain knows nothing of a factor common to all weights.
+  // A common factor of all weights does not affect the gain.
   EXPECT_LT((J * c.w).norm(), 1e-12 * J.norm() * c.w.norm());
 }
 
@@ -270,7 +270,7 @@ TEST_P(EveryMethod, GradientIsTheJacobianTransposed) {
   EXPECT_THAT(problem.gradient(c.w, solution, Y), MatrixRelativelyNear(expected, 1e-12));
 }
 
-// The stiffest problem at hand: chains of four integrators, 16 states, weights of 1e3 and 1e-2.
+// The stiffest available problem: chains of four integrators, 16 states, weights of 1e3 and 1e-2.
 TEST(DiagonalLqr, JacobianOfTheUquadsHover) {
   LqrDesign design;
   design.integrals = {"x", "y", "z", "theta"};
@@ -293,19 +293,19 @@ TEST(DiagonalLqr, JacobianOfTheUquadsHover) {
   }
 }
 
-TEST(DiagonalLqr, RefusesWeightsThatAreNone) {
+TEST(DiagonalLqr, RejectsInvalidWeights) {
   std::mt19937_64 random(29);
   DesignCase c = random_design(LqrMethod::discrete, random);
   const DiagonalLqr problem(c.plant, c.design);
   EXPECT_THAT(([&] { (void)problem.solve(VectorXd::Ones(10)); }),
-              ThrowsMessage<InvalidInput>(HasSubstr("10 weights came, expected 11 (s1 s2")));
+              ThrowsMessage<InvalidInput>(HasSubstr("10 weights are given, expected 11 (s1 s2")));
   c.w(6) = -1;
   EXPECT_THAT(
       ([&] { (void)problem.solve(c.w); }),
       ThrowsMessage<InvalidInput>(HasSubstr("the weight of int_s2 is -1, expected 0 or more")));
   c.design.Q(0, 1) = c.design.Q(1, 0) = 0.1;
   EXPECT_THAT(([&] { (void)diagonals_of(c.design); }),
-              ThrowsMessage<InvalidInput>(HasSubstr("Q has entries beside its diagonal")));
+              ThrowsMessage<InvalidInput>(HasSubstr("Q has entries off its diagonal")));
   c.design.dt = 0;
   EXPECT_THAT(([&] { (void)DiagonalLqr(c.plant, c.design); }),
               ThrowsMessage<InvalidInput>(HasSubstr("dt is 0 s, expected a positive number")));

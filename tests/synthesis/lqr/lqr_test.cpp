@@ -84,8 +84,9 @@ TEST(Lqr, SampledCostTendsToTheContinuousGain) {
   EXPECT_LT(previous, 5e-3);
 }
 
-// The optimal sampled cost can only be above the continuous one, which may move its input always.
-TEST(Lqr, HoldingTheInputCosts) {
+// The optimal sampled cost is not smaller than the continuous one, whose input may change at any
+// time.
+TEST(Lqr, HoldingTheInputIncreasesTheCost) {
   const ContinuousLti plant = double_integrator();
   const LqrWeights weights = {diagonal({1, 0}), diagonal({1}), {}};
   const Eigen::MatrixXd S = lqr(plant, weights).X;
@@ -110,7 +111,7 @@ TEST(WithIntegrals, AddsNamedStates) {
 TEST(WithIntegrals, RefuseUnknownAndRepeatedNames) {
   EXPECT_THAT(
       [] { (void)with_integrals(double_integrator(), {"vz"}); },
-      ThrowsMessage<InvalidInput>(HasSubstr("no state 'vz' to integrate, expected some of: y vy")));
+      ThrowsMessage<InvalidInput>(HasSubstr("no state 'vz' to integrate, expected one of: y vy")));
   EXPECT_THAT(
       [] {
         (void)with_integrals(double_integrator(), {"y", "y"});
@@ -118,12 +119,12 @@ TEST(WithIntegrals, RefuseUnknownAndRepeatedNames) {
       ThrowsMessage<InvalidInput>(HasSubstr("'y' is listed twice")));
 }
 
-// ∫vy = y - y(0): the two cannot be steered apart.
-TEST(Lqr, AnIntegralThatCannotBeHeldIsNamed) {
+// ∫vy = y - y(0): the two cannot be controlled independently.
+TEST(Lqr, NamesAnUncontrollableIntegral) {
   const RiccatiResult result = lqr(with_integrals(double_integrator(), {"vy"}),
                                    {Eigen::MatrixXd::Identity(3, 3), diagonal({1}), {}});
   EXPECT_EQ(result.status, RiccatiStatus::not_stabilizable);
-  EXPECT_THAT(result.culprit, HasSubstr("y and int_vy cannot be steered"));
+  EXPECT_THAT(result.culprit, HasSubstr("y and int_vy cannot be controlled"));
   EXPECT_TRUE(result.K.array().isNaN().all());
 }
 
@@ -132,7 +133,7 @@ TEST(Lqr, YawWithoutWeightIsNamed) {
       lqr(discretize_zoh(testing::uquad_hover(), 0.01),
           {diagonal({1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1}), Eigen::MatrixXd::Identity(4, 4), {}});
   EXPECT_EQ(result.status, RiccatiStatus::not_detectable);
-  EXPECT_THAT(result.culprit, HasSubstr("theta is not seen by Q"));
+  EXPECT_THAT(result.culprit, HasSubstr("theta is not observable through Q"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDt = 0.01;
 
-/// A published gain and the problem that it answers.
+/// A published gain and the problem that it solves.
 struct Published {
   std::string label;
   std::vector<std::string> files;  // K, and K_int where there is one
@@ -94,14 +94,14 @@ LqrDesign problem(const Published& gains) {
   return design;
 }
 
-/// Where the Riccati recursion stood when it was stopped.
+/// The state of the Riccati recursion when it was stopped.
 struct Replay {
   Eigen::MatrixXd K;
   int steps = 0;
 };
 
 /// Iterates the Riccati difference equation from X = Q on the plant sampled by a third-order Taylor
-/// polynomial, until the gain moves less than 1e-4 in the spectral norm.
+/// polynomial, until the gain changes by less than 1e-4 in the spectral norm.
 Replay replay(const ContinuousLti& plant, const LqrWeights& weights) {
   const Eigen::Index nx = plant.A.rows();
   const Eigen::MatrixXd Adt = plant.A * kDt;
@@ -122,7 +122,7 @@ Replay replay(const ContinuousLti& plant, const LqrWeights& weights) {
   return result;
 }
 
-/// Everything that the page says of one gain.
+/// The contents of the page about one gain.
 struct Comparison {
   Published gains;
   Eigen::MatrixXd published;

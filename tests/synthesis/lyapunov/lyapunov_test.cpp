@@ -41,7 +41,7 @@ TEST(Lyapunov, ExampleOfTheSlicotManual) {
   QUADTUNE_REQUIRE_DATA(data);
   std::vector<double> numbers = testing::fortran_numbers(data / "known" / "slicot" / "SB03MD.dat");
   numbers.erase(numbers.begin());  // the order
-  // "D" of the title line reads as no number, so that the matrices follow.
+  // The "D" of the title line is not a number, so that parsing continues with the matrices.
   const MatrixXd A = testing::take_matrix(numbers, 3, 3);
   const MatrixXd C = testing::take_matrix(numbers, 3, 3);
   const LyapunovResult r = lyapunov_discrete(A.transpose(), -C);

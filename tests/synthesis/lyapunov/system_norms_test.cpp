@@ -55,7 +55,7 @@ TEST(PeakGain, AtTheEnds) {
   EXPECT_EQ(on_circle.gain, kInfinite);
 }
 
-// No frequency of a dense grid is above it, and one is nearly there.
+// The gain on a dense grid does not exceed the norm, and almost attains it.
 TEST(PeakGain, OfRandomPlants) {
   std::mt19937_64 random(8);
   const auto normal = [&](Eigen::Index r, Eigen::Index c) {
@@ -100,7 +100,7 @@ TEST(H2Norm, ClosedForms) {
   EXPECT_NEAR(h2_norm(resonance(0.2)), 1 / std::sqrt(4 * 0.2), 1e-13);
   EXPECT_NEAR(h2_norm(realize(DiscreteTransferFunction{VectorXd{{1}}, VectorXd{{1, -a}}, 0.1})),
               1 / std::sqrt(1 - a * a), 1e-14);
-  // With feed-through: a sample more of size 1.
+  // With feed-through: one additional sample of size 1.
   EXPECT_NEAR(h2_norm(realize(DiscreteTransferFunction{VectorXd{{1, 0}}, VectorXd{{1, -a}}, 0.1})),
               1 / std::sqrt(1 - a * a), 1e-14);
   EXPECT_EQ(h2_norm(realize(ContinuousTransferFunction{VectorXd{{1, 0}}, VectorXd{{1, a}}})),
@@ -121,7 +121,7 @@ TEST(Gramians, SolveTheirEquations) {
               testing::MatrixNear(MatrixXd(MatrixXd::Zero(5, 5)), 1e-11));
   EXPECT_THAT(plant.A.transpose() * Wo + Wo * plant.A + plant.C.transpose() * plant.C,
               testing::MatrixNear(MatrixXd(MatrixXd::Zero(5, 5)), 1e-11));
-  // The same energy either way.
+  // Both Gramians yield the same energy.
   EXPECT_NEAR((plant.C * Wc * plant.C.transpose()).trace(),
               (plant.B.transpose() * Wo * plant.B).trace(), 1e-11);
   EXPECT_THAT([] { (void)controllability_gramian(resonance(-0.1)); },
@@ -129,8 +129,9 @@ TEST(Gramians, SolveTheirEquations) {
 }
 
 TEST(PeakGain, Refusals) {
-  EXPECT_THAT([] { (void)peak_gain(resonance(1), 0); },
-              ThrowsMessage<InvalidInput>(HasSubstr("tolerance is 0, expected 0 < it <= 0.1")));
+  EXPECT_THAT(
+      [] { (void)peak_gain(resonance(1), 0); },
+      ThrowsMessage<InvalidInput>(HasSubstr("tolerance is 0, expected a number in (0, 0.1]")));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ struct Modes {
       const double w = std::pow(10, 3 * uniform(random));
       const double damping = std::pow(least_damping, uniform(random));
       p[i] = w * Complex(-damping, std::sqrt(1 - damping * damping));
-      // So that each alone has a peak of this size.
+      // Each mode alone has a peak of this magnitude.
       const double size = 0.5 + uniform(random);
       c[i] = std::polar(size * damping * w, 6.3 * uniform(random));
     }
@@ -57,7 +57,7 @@ struct Modes {
   }
 };
 
-// Modes of which the grid knows, down to a damping of 1e-5.
+// Modes that are landmarks of the grid, down to a damping ratio of 1e-5.
 TEST(LoopGrid, MissesNoPeakOfItsLandmarks) {
   std::mt19937_64 random(11);
   for (int i = 0; i < 150; ++i) {
@@ -70,8 +70,8 @@ TEST(LoopGrid, MissesNoPeakOfItsLandmarks) {
   }
 }
 
-// Modes of a closed loop, of which a grid made of the plant does not know, as narrow as the step of
-// the grid: a value on the flank of a peak predicts it.
+// Modes of a closed loop that are not landmarks of the plant's grid, as narrow as the grid step: a
+// value on the flank of a peak predicts it.
 TEST(LoopGrid, MissesNoPeakBetweenItsFrequencies) {
   std::mt19937_64 random(12);
   const std::vector<double> w = loop_grid({}, 0.1, 1e4);
@@ -83,7 +83,7 @@ TEST(LoopGrid, MissesNoPeakBetweenItsFrequencies) {
   }
 }
 
-// Only what can be the largest is refined.
+// Only peaks that may be the largest are refined.
 TEST(LoopGrid, RefinesFewPeaks) {
   const std::vector<double> w = loop_grid({}, 0.1, 1e3);
   int count = 0;
@@ -97,7 +97,7 @@ TEST(LoopGrid, RefinesFewPeaks) {
   EXPECT_LE(count, 25);
 }
 
-TEST(LoopGrid, OfEqualPeaksTheSlowestCounts) {
+TEST(LoopGrid, ReturnsTheSlowestOfEqualPeaks) {
   const std::vector<double> w = loop_grid({.corners = {1}});
   // 1 up to rounding everywhere.
   const auto flat = [](double at) { return std::abs(std::polar(1.0, at)); };
@@ -119,7 +119,7 @@ TEST(LoopGrid, BeginsAtRestAndEndsAtNyquist) {
   for (std::size_t i = 2; i < w.size(); ++i) EXPECT_LT(w[i], 1.04 * w[i - 1]);
 }
 
-TEST(LoopGrid, DelayTurnsLittleBetweenNeighbours) {
+TEST(LoopGrid, DelayChangesThePhaseLittlePerStep) {
   const std::vector<double> w = loop_grid({.corners = {1}, .delay = 2, .delay_phase = 50});
   for (std::size_t i = 1; i < w.size() && w[i] < 25; ++i) EXPECT_LE(w[i] - w[i - 1], 0.1 + 1e-12);
   EXPECT_EQ(w.back(), 1000);
@@ -139,8 +139,8 @@ TEST(LoopGrid, IsFiniteForRootsOfAnySize) {
   }
 }
 
-// Values without a number have no order that a sort could rely on.
-TEST(LoopGrid, InfiniteValuesAndNanAmongPeaksAreNoDisorder) {
+// NaN values have no order on which sorting could rely.
+TEST(LoopGrid, AcceptsInfiniteValuesAndNan) {
   const std::vector<double> w = loop_grid({}, 0.1, 1e3);
   std::mt19937_64 random(13);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -167,8 +167,9 @@ TEST(Crossings, AreRootsToRounding) {
     EXPECT_NEAR(found[k], (static_cast<double>(k) + 0.5) * std::numbers::pi, 1e-14);
 }
 
-// Where rounding decides about the sign there is a crossing only if it differs on both sides.
-TEST(Crossings, PassOverUncertainSigns) {
+// If rounding determines the sign of some values, there is a crossing only if the certain signs on
+// both sides differ.
+TEST(Crossings, IgnoreUncertainSigns) {
   const std::vector<double> w = {1, 2, 3, 4, 5, 6};
   const std::vector<double> values = {1, 1e-17, -1e-17, 1e-17, -1e-17, 1};
   const auto certain = [&](std::size_t i) { return std::abs(values[i]) > 1e-16; };

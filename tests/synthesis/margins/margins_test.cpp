@@ -84,13 +84,13 @@ TEST(LoopMargins, ClosedForms) {
   EXPECT_NEAR(unstable_plant.gain_reduction, 0.5, 1e-14);
   EXPECT_NEAR(unstable_plant.phase_margin, kPi / 3, 1e-12);
   EXPECT_NEAR(unstable_plant.Mt, 2, 1e-12);
-  // An integrator: 90°, π/2 s, S never above 1.
+  // An integrator: 90°, π/2 s, |S| ≤ 1.
   const LoopMargins integrator = loop_margins(loop({1}, {1, 0}));
   EXPECT_NEAR(integrator.phase_margin, kPi / 2, 1e-12);
   EXPECT_NEAR(integrator.delay_margin, kPi / 2, 1e-12);
   EXPECT_NEAR(integrator.Ms, 1, 1e-6);
   EXPECT_EQ(integrator.gain_margin, kInfinite);
-  // (s - 1)²/s² passes no -1 but L = 1 everywhere in size at ω → ∞: nothing to cross.
+  // (s - 1)²/s² does not reach -1, and |L| → 1 only as ω → ∞: there is no crossover.
   const LoopMargins small = loop_margins(loop({0.3}, {1, 1}));
   EXPECT_TRUE(small.gain_crossovers.empty());
   EXPECT_EQ(small.phase_margin, kInfinite);
@@ -109,7 +109,8 @@ TEST(LoopMargins, DelayedIntegrator) {
   EXPECT_FALSE(loop_margins(loop({1}, {1, 0}, 30)).stable);
 }
 
-// s² + 1 + e^(-τs)·k: a delay may take a loop in and out of stability (Walton, Marshall 1987).
+// s² + 1 + e^(-τs)·k: an increasing delay may stabilize and destabilize a loop repeatedly
+// (Walton, Marshall 1987).
 TEST(LoopMargins, DelayMayStabilize) {
   // L = -0.5/(s² + 0.1 s + 2): crossovers where |2 - ω² + 0.1 jω| = 0.5, so at two frequencies.
   const auto stable = [](double delay) {
@@ -144,7 +145,8 @@ TEST(LoopMargins, DelayMayStabilize) {
   EXPECT_GE(changes, 2);
 }
 
-// The margins are where the poles reach the boundary: eigenvalues know nothing of responses.
+// At the margins the poles reach the stability boundary; the eigenvalues are computed independently
+// of the frequency response.
 TEST(LoopMargins, AreWherePolesReachTheBoundary) {
   std::mt19937_64 random(12);
   int seen_high = 0;
@@ -156,7 +158,7 @@ TEST(LoopMargins, AreWherePolesReachTheBoundary) {
     const MatrixXd I = MatrixXd::Identity(n, n);
     DiscreteLti sampled = discretize_zoh(plant, 0.3);
     const LqrWeights weights{I, MatrixXd::Identity(1, 1), {}};
-    // A gain for other weights, turned a little, so that both margins are finite now and then.
+    // A slightly rotated gain for other weights, so that both margins are sometimes finite.
     MatrixXd K = discrete ? lqr(sampled, weights).K : lqr(plant, weights).K;
     K += 0.2 * K.norm() * random_matrix(1, n, random);
     const LoopMargins m =
@@ -188,7 +190,7 @@ TEST(LoopMargins, AreWherePolesReachTheBoundary) {
   EXPECT_GT(seen_low, 10);
 }
 
-// The peaks are H∞ norms, found by eigenvalues of a Hamiltonian matrix.
+// The peaks equal the H∞ norms, which are computed from eigenvalues of a Hamiltonian matrix.
 TEST(LoopMargins, PeaksAreNorms) {
   std::mt19937_64 random(31);
   for (int k = 0; k < 30; ++k) {
@@ -211,8 +213,8 @@ TEST(LoopMargins, PeaksAreNorms) {
   }
 }
 
-// A resonance so narrow that it is above 1 over a ten-thousandth of its frequency.
-TEST(LoopMargins, NarrowPeaksAreSeen) {
+// A resonance so narrow that |L| > 1 only over a ten-thousandth of its frequency.
+TEST(LoopMargins, FindsNarrowPeaks) {
   const double zeta = 1e-6;
   const LoopMargins m = loop_margins(loop({1e-4}, {1, 2 * zeta * 3.3, 3.3 * 3.3}));
   ASSERT_EQ(m.gain_crossovers.size(), 2U);
@@ -221,7 +223,7 @@ TEST(LoopMargins, NarrowPeaksAreSeen) {
   EXPECT_NEAR(m.Mt, 1e-4 / (2 * zeta * 3.3 * 3.3), 1e-4 * m.Mt);
 }
 
-// Anderson, Moore 1990: of each input's loop with R diagonal, S is never above 1.
+// Anderson, Moore 1990: with a diagonal R, |S| ≤ 1 in the loop of each input.
 TEST(LoopMargins, OfLqrAreGuaranteed) {
   std::mt19937_64 random(7);
   for (int k = 0; k < 40; ++k) {
@@ -320,18 +322,18 @@ TEST(DiskMargin, IsAsLargeAsCanBe) {
     // The ends of the disk are those of the real factors.
     EXPECT_NEAR(factor(m.disk.alpha).real(), m.disk.gain_high, 1e-12);
     EXPECT_NEAR(factor(-m.disk.alpha).real(), m.disk.gain_low, 1e-12);
-    // The turn alone that leaves the disk: |f| = 1 at its edge.
-    double least = kPi;
+    // The pure phase change at the edge of the disk: |f| = 1.
+    double min = kPi;
     for (int k = 0; k <= 20000; ++k) {
       const Complex f = factor(std::polar(m.disk.alpha, kPi * k / 20000));
-      if (std::abs(std::abs(f) - 1) < 1e-4) least = std::min(least, std::abs(std::arg(f)));
+      if (std::abs(std::abs(f) - 1) < 1e-4) min = std::min(min, std::abs(std::arg(f)));
     }
-    EXPECT_NEAR(m.disk.phase, least, 1e-3) << "skew " << skew;
+    EXPECT_NEAR(m.disk.phase, min, 1e-3) << "skew " << skew;
   }
 }
 
 // A resonance above 1 whose phase is past -360 degrees after the delay, or ahead of -180 by lead: L
-// passes -1 with negative turns, and the stable loop's margin is their size.
+// reaches -1 with a negative phase change, and the margin of the stable loop is its magnitude.
 TEST(LoopMargins, PhaseMarginOfAStableLoopIsPositive) {
   // s/(s² + 0.2 s + 1) · 0.4: |L| > 1 about 1 rad/s, between +90 and -90 degrees.
   const LoopMargins ahead = loop_margins(loop({0.4, 0}, {1, 0.2, 1}));
@@ -341,7 +343,7 @@ TEST(LoopMargins, PhaseMarginOfAStableLoopIsPositive) {
   EXPECT_GT(ahead.gain_crossovers[1].phase_margin, 0);
   EXPECT_NEAR(ahead.phase_margin, std::abs(ahead.gain_crossovers[0].phase_margin), 1e-9);
   EXPECT_NEAR(degrees(ahead.phase_margin), 120, 1e-9);  // |L| = 1 where its arg is ∓60 degrees
-  // The same with all of the phase turned by lag: stable at some delays, the turn to -1 is by lead.
+  // The same with a delay: stable for some delays, where a phase lead moves L to -1.
   std::mt19937_64 random(23);
   std::uniform_real_distribution<double> number(0.05, 6);
   int by_lead = 0;
@@ -370,8 +372,7 @@ TEST(LoopMargins, OfAConditionallyStableLoop) {
   EXPECT_LT(lost.phase_margin, 0);
 }
 
-// 1/(s + 1)³ · k has the gain margin 8/k whatever k is, and its reciprocal with a pole that needs
-// it.
+// 1/(s + 1)³ · k has the gain margin 8/k for any k, and a gain reduction with an unstable pole.
 TEST(LoopMargins, FiniteGainMarginsOfAnySize) {
   for (const double k : {1.0, 1e-5, 1e-6, 1e-9, 1e-15, 1e-30}) {
     const LoopMargins m = loop_margins(loop({k}, {1, 3, 3, 1}));
@@ -389,10 +390,8 @@ TEST(LoopMargins, FiniteGainMarginsOfAnySize) {
   EXPECT_NEAR(nyquist.gain_margin, 1.5e8, 1);
 }
 
-// What only rounding turns across the axis is no margin: loops of degree 2 that go to -180 degrees,
-// in any states.
-// Landmarks of the grid that rounding tells apart: equal axes, poles several times over.
-TEST(LoopMargins, AreSeenBesideRepeatedPoles) {
+// Landmarks of the grid that differ by rounding only: equal axes, repeated poles.
+TEST(LoopMargins, AreFoundWithRepeatedPoles) {
   for (const double k : {5.0, 0.3, 44.44444444444444, 8.16326530612245, 400.0})
     for (const int axes : {2, 3, 5}) {
       ContinuousLti plant;
@@ -420,7 +419,7 @@ TEST(LoopMargins, AreSeenBesideRepeatedPoles) {
 }
 
 // The loop 1.1 e^(-sT)/s is stable for T < π/2.2. The two other poles are not observable.
-TEST(LoopMargins, DelayIsNotOverlookedBesideRepeatedPoles) {
+TEST(LoopMargins, DelayMarginIsFoundWithRepeatedPoles) {
   for (const double delay : {1.4, 1.45, 3.636, 10.0}) {
     ContinuousLti plant;
     plant.A = MatrixXd{{0, 0, 0}, {0, -1.0999999999999999, 0}, {0, 0, -1.1000000000000003}};
@@ -431,7 +430,7 @@ TEST(LoopMargins, DelayIsNotOverlookedBesideRepeatedPoles) {
   }
 }
 
-// The rounding of a coefficient decides the sign of L(0) where it is infinite or 0.
+// The rounding of a coefficient determines the sign of L(0) if it is infinite or 0.
 TEST(LoopMargins, AtRestAnIntegratorIsNoCrossover) {
   for (const double a : {0.5, 0.6, 0.7, 0.3, 0.1, 0.9}) {
     const DiscreteTransferFunction one{coefficients({0.01}), coefficients({1, -1 - a, a}), 0.1, 0};
@@ -447,13 +446,15 @@ TEST(LoopMargins, AtRestAnIntegratorIsNoCrossover) {
   EXPECT_EQ(m.gain_margin, kInfinite);
 }
 
-// e^(-sT) turns the loop through -π/2 - wT = -π: w = π/(2 T), far above the pole.
+// e^(-sT) shifts the phase of the loop to -π/2 - wT = -π at w = π/(2 T), far above the pole.
 TEST(LoopMargins, GainMarginOfAShortDelay) {
   for (const double delay : {1e-2, 1e-3, 1e-5, 1e-8})
     EXPECT_NEAR(loop_margins(loop({1}, {1, 0}, delay)).gain_margin, std::numbers::pi / (2 * delay),
                 1e-6 / delay);
 }
 
+// Crossings of the axis that are due to rounding are not margins: loops of relative degree 2 whose
+// phase tends to -180 degrees, in any states.
 TEST(LoopMargins, RoundingIsNoCrossover) {
   std::mt19937_64 random(29);
   for (int k = 0; k < 40; ++k) {
@@ -465,7 +466,7 @@ TEST(LoopMargins, RoundingIsNoCrossover) {
         lqr(plant, {MatrixXd::Identity(n, n), MatrixXd::Identity(1, 1), {}});
     ASSERT_TRUE(design.solved());
     EXPECT_EQ(loop_margins(loop_at_inputs(plant, design.K)).gain_margin, kInfinite) << k;
-    // 1/((s + a)(s + b)) in turned states.
+    // 1/((s + a)(s + b)) in rotated states.
     ContinuousLti second = random_plant(2, 1, random);
     const MatrixXd T = random_matrix(2, 2, random);
     const MatrixXd T_inverse = T.inverse();
@@ -475,12 +476,13 @@ TEST(LoopMargins, RoundingIsNoCrossover) {
     second.C = Eigen::RowVector2d(3, 0) * T;
     EXPECT_EQ(loop_margins(OpenLoop(second)).gain_margin, kInfinite) << k;
   }
-  // All-pass: |L| = 1 all along, and no crossover.
+  // All-pass: |L| = 1 everywhere, and no crossover.
   EXPECT_TRUE(loop_margins(loop({-0.999999, 1}, {1, 1})).gain_crossovers.size() <= 1);
 }
 
-// A delay turns a small L on and on: those of no interest are counted, the margin is kept.
-TEST(LoopMargins, CountsWhatItDoesNotList) {
+// With a delay, a small L keeps crossing the axis: irrelevant crossovers are only counted, the
+// margin is listed.
+TEST(LoopMargins, CountsOmittedCrossovers) {
   const LoopMargins m = loop_margins(loop({1e-4}, {1, 1}, 1));
   ASSERT_FALSE(m.phase_crossovers.empty());
   EXPECT_GT(m.far_phase_crossovers, 0);
@@ -498,9 +500,9 @@ TEST(LoopMargins, OneAtRestIsACrossover) {
   EXPECT_EQ(m.gain_crossovers[0].delay_margin, kInfinite);
 }
 
-// e^(jθ) leaves the symmetric disk where 2 tan(θ/2) = α, above 2 as below; in general where
-// |δ| = α solves f(δ) = e^(jθ).
-TEST(DiskMargin, TurnsThatLeaveTheDisk) {
+// e^(jθ) leaves the symmetric disk at 2 tan(θ/2) = α, for α above and below 2; in general at the θ
+// for which |δ| = α solves f(δ) = e^(jθ).
+TEST(DiskMargin, PhaseAtTheEdgeOfTheDisk) {
   for (const double alpha : {0.3, 1.0, 1.9, 2.0, 2.285, 5.0, 40.0})
     EXPECT_NEAR(internal::disk_of_peak(1 / alpha, 1, 0).phase, 2 * std::atan(alpha / 2), 1e-12);
   for (const double skew : {-1.0, -0.4, 0.3, 1.0, 2.5})
@@ -526,7 +528,7 @@ TEST(LoopMargins, Refusals) {
   EXPECT_THAT([&] { (void)loop_at_inputs(plant, K.transpose()); },
               ThrowsMessage<InvalidInput>(HasSubstr("K is 3x2, expected 2x3")));
   EXPECT_THAT([&] { (void)loop_at_inputs(plant, K).channel(2); },
-              ThrowsMessage<InvalidInput>(HasSubstr("channel 2, expected 0 to 1")));
+              ThrowsMessage<InvalidInput>(HasSubstr("channel is 2, expected 0 to 1")));
   ContinuousLti wide = plant;
   EXPECT_THAT([&] { OpenLoop open(wide); },
               ThrowsMessage<InvalidInput>(HasSubstr("3 outputs and 2 inputs")));

@@ -38,7 +38,7 @@ PeriodicLti random_periodic_plant(std::mt19937& random, std::size_t N, Eigen::In
   return plant;
 }
 
-TEST(PeriodicLti, RefusesWhatIsNotFiniteOrDoesNotFit) {
+TEST(PeriodicLti, RejectsNonFiniteEntriesAndWrongShapes) {
   std::mt19937 random(1);
   PeriodicLti plant = random_periodic_plant(random, 3, 4, 2);
   EXPECT_NO_THROW(validate(plant, "plant"));
@@ -55,7 +55,7 @@ TEST(PeriodicLti, RefusesWhatIsNotFiniteOrDoesNotFit) {
   refused(bad, "A[1] has an entry that is not finite");
   bad = plant;
   bad.B.pop_back();
-  refused(bad, "3 matrices A and 2 B");
+  refused(bad, "3 matrices A and 2 matrices B");
   bad = plant;
   bad.B[2] = MatrixXd::Zero(4, 3);
   refused(bad, "B[2] is 4 x 3, expected 4 x 2");
@@ -83,19 +83,19 @@ TEST(PeriodicPoles, OfAConstantSystemAreItsEigenvaluesWhateverThePeriod) {
   }
 }
 
-TEST(PeriodicPoles, TellTheDecayOverARound) {
-  // One grows threefold and shrinks to a quarter in turn.
+TEST(PeriodicPoles, DescribeTheDecayOverAPeriod) {
+  // One state alternately grows threefold and shrinks to a quarter.
   const Eigen::VectorXcd z =
       periodic_poles({MatrixXd::Constant(1, 1, 3), MatrixXd::Constant(1, 1, 0.25)});
   ASSERT_EQ(z.size(), 1);
   EXPECT_NEAR(std::abs(z(0)), std::sqrt(0.75), 1e-14);
 }
 
-// States that do not know of one another are taken apart; turned into each other they cannot be.
-TEST(PeriodicPoles, AreTheSameWhereTheStatesComeApart) {
+// Decoupled states are separated; after a rotation of the states they cannot be.
+TEST(PeriodicPoles, AreTheSameForDecoupledStates) {
   std::mt19937 random(9);
   for (int i = 0; i < 20; ++i) {
-    // Even states know of even ones only, odd of odd ones.
+    // Even states are coupled to even states only, and odd to odd ones.
     std::vector<MatrixXd> apart, mixed;
     const MatrixXd turn =
         Eigen::HouseholderQR<MatrixXd>(random_entries(random, 7, 7)).householderQ();
@@ -115,13 +115,13 @@ TEST(PeriodicPoles, AreTheSameWhereTheStatesComeApart) {
     for (std::size_t k = 0; k < 7; ++k) names[k].name = k % 2 == 0 ? "even" : "odd";
     const NamedMode mode = largest_mode(apart, names, Eigen::VectorXd::Ones(7));
     EXPECT_NEAR(std::abs(mode.z), std::abs(z(0)), 1e-12);
-    // Only states of one group move in a mode.
+    // A mode contains only states of one group.
     for (const std::string& name : mode.states) EXPECT_EQ(name, mode.states.front());
   }
 }
 
-TEST(LoopPart, KeepsWhatIsMovedAndSeen) {
-  // 0 drives 1, 1 drives 2 in the second step only; 3 is constant and drives 1; 4 only listens.
+TEST(LoopPart, KeepsStatesThatAreAffectedAndAffectAnOutput) {
+  // 0 drives 1; 1 drives 2 in the second step only; 3 is constant and drives 1; 4 affects no state.
   PeriodicLti plant;
   plant.dt = 1;
   MatrixXd A = MatrixXd::Zero(5, 5);
@@ -163,7 +163,7 @@ TEST(MeanResponse, IsTheFrequencyResponseOfAConstantSystem) {
   }
 }
 
-TEST(MeanResponse, IsWhatASimulationGives) {
+TEST(MeanResponse, MatchesASimulation) {
   std::mt19937 random(4);
   for (int trial = 0; trial < 5; ++trial) {
     const std::size_t N = 5;
@@ -203,7 +203,7 @@ TEST(PeriodicMargins, OfAConstantLoopAreThoseOfTheLoop) {
   EXPECT_NEAR(margins.disk.alpha, expected.disk.alpha, 1e-9);
 }
 
-TEST(PeriodicMargins, OfALoopThatNothingGoesRoundHaveNoLimit) {
+TEST(PeriodicMargins, AreInfiniteWithoutFeedback) {
   PeriodicLti loop;
   loop.dt = 0.1;
   loop.A = {MatrixXd::Constant(1, 1, 0.5), MatrixXd::Constant(1, 1, 0.4)};
@@ -229,8 +229,8 @@ TEST(Channel, ClosesTheOthers) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_LT((all[k] - last[k]).norm(), 1e-14);
 }
 
-// Two loops side by side: each is as it is alone, also while the other is unstable.
-TEST(OwnChannels, LeaveOutWhatDoesNotKnowOfThem) {
+// Two independent loops: the margins of each are unaffected by the other, even if that is unstable.
+TEST(OwnChannels, OmitDecoupledStates) {
   std::mt19937 random(8);
   const PeriodicLti a = random_periodic_plant(random, 3, 4, 1);
   PeriodicLti b = random_periodic_plant(random, 3, 3, 1);
@@ -249,7 +249,7 @@ TEST(OwnChannels, LeaveOutWhatDoesNotKnowOfThem) {
   both.C = MatrixXd::Zero(2, 7);
   both.C.topLeftCorner(1, 4) = a.C;
   both.C.bottomRightCorner(1, 3) = b.C;
-  const std::vector<PeriodicLti> own = own_channels(both);
+  const std::vector<PeriodicLti> own = decoupled_channels(both);
   ASSERT_EQ(own.size(), 2);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(own[0].A[k], a.A[k]);
@@ -257,9 +257,9 @@ TEST(OwnChannels, LeaveOutWhatDoesNotKnowOfThem) {
     EXPECT_EQ(own[1].A[k], b.A[k]);
   }
   EXPECT_EQ(own[0].C, a.C);
-  // Coupled, each has all states.
+  // If the loops are coupled, each has all states.
   both.A[1](5, 2) = 0.1;
-  for (const PeriodicLti& channel : own_channels(both)) EXPECT_EQ(channel.C.cols(), 7);
+  for (const PeriodicLti& channel : decoupled_channels(both)) EXPECT_EQ(channel.C.cols(), 7);
 }
 
 TEST(LargestMode, NamesTheStatesThatMoveMost) {

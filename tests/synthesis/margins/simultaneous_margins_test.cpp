@@ -59,7 +59,8 @@ TEST(StructuredGain, BoundsMeetUpToThree) {
     }
 }
 
-// Seiler, Packard, Gahinet 2020: a spinning body. Each loop alone is perfect, both at once are not.
+// Seiler, Packard, Gahinet 2020: a spinning body. Each loop alone has perfect margins, both at once
+// have not.
 TEST(SimultaneousDiskMargin, SpinningBody) {
   ContinuousLti plant;
   plant.A = (MatrixXd(2, 2) << 0, 10, -10, 0).finished();
@@ -80,7 +81,7 @@ TEST(SimultaneousDiskMargin, OfOneLoopIsItsDisk) {
   EXPECT_EQ(margin.guaranteed.alpha, loop_margins(loop).disk.alpha);
   EXPECT_EQ(margin.guaranteed.phase, loop_margins(loop).disk.phase);
   EXPECT_EQ(margin.alpha_destabilizing, margin.guaranteed.alpha);
-  // The peak is at infinity, which is on no grid.
+  // The peak is at infinity, which is not on the grid.
   const OpenLoop lag(ContinuousTransferFunction{Eigen::VectorXd{{3}}, Eigen::VectorXd{{1, 1}}});
   EXPECT_EQ(simultaneous_disk_margin(lag).guaranteed.alpha, 2);
   const OpenLoop unstable(
@@ -120,8 +121,9 @@ TEST(SimultaneousDiskMargin, HoldsForRandomFactors) {
   }
 }
 
-// Two channels without coupling are as good as the worse; both at infinity, where the disk is 2.
-TEST(SimultaneousDiskMargin, LooksAtInfinity) {
+// Two decoupled channels have the smaller of their margins; both peaks are at infinity, where the
+// disk is 2.
+TEST(SimultaneousDiskMargin, IncludesInfiniteFrequency) {
   ContinuousLti plant;
   plant.A = (MatrixXd(2, 2) << -1, 0, 0, -2).finished();
   plant.B = MatrixXd::Identity(2, 2);
@@ -129,7 +131,7 @@ TEST(SimultaneousDiskMargin, LooksAtInfinity) {
   EXPECT_EQ(simultaneous_disk_margin(OpenLoop(plant)).guaranteed.alpha, 2);
 }
 
-// Skipping frequencies that cannot be the worst finds the same: by all of a grid, one by one.
+// Skipping frequencies that cannot be the worst gives the same result as evaluating the whole grid.
 TEST(SimultaneousDiskMargin, IsTheWorstOfAllFrequencies) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
@@ -152,8 +154,9 @@ TEST(SimultaneousDiskMargin, IsTheWorstOfAllFrequencies) {
   }
 }
 
-// Four integrators in series make L so large that its rounding would drown the small loops; S must
-// not be taken from it. One loop at a time is never worse than all at once.
+// Four integrators in series make L so large that its rounding errors would exceed the small loops,
+// so S must not be computed from L. The margin of one loop alone is never smaller than that of all
+// at once.
 TEST(SimultaneousDiskMargin, OfAHoverSampledFast) {
   const testing::RiccatiCase hover = testing::small_hover_sampled(0.002);
   DiscreteLti plant;
@@ -163,15 +166,15 @@ TEST(SimultaneousDiskMargin, OfAHoverSampledFast) {
   const MatrixXd R = Eigen::Vector4d(1e2, 1e5, 1e5, 1e5).asDiagonal();
   const MatrixXd mix =
       (MatrixXd(4, 4) << 1, 1, 1, 1, 1, -1, 1, -1, 1, 1, -1, -1, 1, -1, -1, 1).finished() / 2;
-  // The inputs mixed, as rotors mix thrust and torques.
+  // Mixed inputs, as rotors mix thrust and torques.
   const MatrixXd K = mix.transpose() * lqr(plant, {hover.Q, R, {}}).K;
   plant.B = (plant.B * mix).eval();
   const OpenLoop loop = loop_at_inputs(plant, K);
   const SimultaneousDiskMargin margin = simultaneous_disk_margin(loop);
-  double least = 2;
+  double min = 2;
   for (Eigen::Index i = 0; i < 4; ++i)
-    least = std::min(least, loop_margins(loop.channel(i)).disk.alpha);
-  EXPECT_LE(margin.guaranteed.alpha, least * (1 + 1e-9));
+    min = std::min(min, loop_margins(loop.channel(i)).disk.alpha);
+  EXPECT_LE(margin.guaranteed.alpha, min * (1 + 1e-9));
   EXPECT_GT(margin.guaranteed.alpha, 0.3);
   EXPECT_NEAR(margin.alpha_destabilizing / margin.guaranteed.alpha, 1, 0.05);
 }

@@ -39,7 +39,7 @@ LoopRequirement requirement(PidType type, double crossover, double margin_deg, d
   return r;
 }
 
-/// L as one fraction, for the margins of a loop, which are computed in another way.
+/// L as one fraction, for loop_margins(), which uses another method.
 ContinuousTransferFunction fraction(const ContinuousTransferFunction& P, const PidGains& gains) {
   const Eigen::Vector3d num(gains.Kp * gains.Tf + gains.Kd, gains.Kp + gains.Ki * gains.Tf,
                             gains.Ki);
@@ -55,7 +55,7 @@ ContinuousTransferFunction fraction(const ContinuousTransferFunction& P, const P
   return L;
 }
 
-/// The loop written down anew.
+/// Computes the loop independently.
 std::complex<double> loop(const ContinuousTransferFunction& P, const PidGains& gains, double w) {
   const std::complex<double> s(0, w);
   return P(s) * (gains.Kp + gains.Ki / s + gains.Kd * s / (gains.Tf * s + 1.0));
@@ -69,7 +69,7 @@ void expect_meets(const ContinuousTransferFunction& P, const LoopRequirement& r)
   EXPECT_NEAR(std::arg(-L), r.phase_margin, 1e-12) << design;
   EXPECT_NEAR(design.crossover, r.crossover, 1e-9 * r.crossover);
   EXPECT_NEAR(design.phase_margin, r.phase_margin, 1e-9);
-  // S at the crossover itself is 1/(2 sin(margin/2)), so that Ms is no less.
+  // |S| at the crossover is 1/(2 sin(margin/2)), a lower bound of Ms.
   EXPECT_GE(design.Ms, 1 / (2 * std::sin(r.phase_margin / 2)) - 1e-12);
 }
 
@@ -99,14 +99,14 @@ TEST(PidLoop, PForAnIntegratorWithDelay) {
   EXPECT_NEAR(design.gains.Kp, 2, 1e-12);
   EXPECT_NEAR(design.phase_margin, pi / 2 - 0.4, 1e-9);
 
-  // The most that can be had keeps the margin: ω = (90° - 45°)/L.
+  // The maximum feasible crossover has the required margin: ω = (90° - 45°)/L.
   const PidLoopDesign refused = pid_for_crossover(P, requirement(PidType::P, 5, 45));
-  EXPECT_EQ(refused.status, PidLoopStatus::phase_out_of_reach) << refused;
+  EXPECT_EQ(refused.status, PidLoopStatus::phase_infeasible) << refused;
   EXPECT_NEAR(refused.highest_crossover, pi / 4 / 0.2, 1e-5);
   EXPECT_TRUE(std::isnan(refused.gains.Kp));
 }
 
-TEST(PidLoop, PidHasADoubleZeroUnlessToldOtherwise) {
+TEST(PidLoop, PidHasADoubleZeroByDefault) {
   for (const double Tf : {0.0, 0.05}) {
     const LoopRequirement r = requirement(PidType::PID, 1.2, 55, Tf);
     expect_meets(three_lags(), r);
@@ -120,7 +120,7 @@ TEST(PidLoop, PidHasADoubleZeroUnlessToldOtherwise) {
 TEST(PidLoop, GreatestKiEndsAtMs) {
   LoopRequirement r = requirement(PidType::PID, 1.2, 55, 0.05);
   const PidLoopDesign zero = pid_for_crossover(three_lags(), r);
-  r.freedom = PidFreedom::greatest_Ki;
+  r.freedom = PidFreedom::max_Ki;
   r.Ms_max = 1.5;
   expect_meets(three_lags(), r);
   const PidLoopDesign design = pid_for_crossover(three_lags(), r);
@@ -129,11 +129,11 @@ TEST(PidLoop, GreatestKiEndsAtMs) {
   EXPECT_GT(design.Ms, 1.5 - 1e-6);
 }
 
-// With Ms out of the way, |L| beyond the crossover rises until it touches 1 again; with more Ki
-// there would be a higher crossover. The grid of the search, 3 % a step, sees a touch to 1e-3.
+// Without a limit on Ms, |L| beyond the crossover rises until it touches 1 again; a larger Ki would
+// cause a higher crossover. The grid of the search with steps of 3 % resolves the touch to 1e-3.
 TEST(PidLoop, GreatestKiEndsWhereAnotherCrossoverWouldAppear) {
   LoopRequirement r = requirement(PidType::PID, 1.2, 55, 0.05);
-  r.freedom = PidFreedom::greatest_Ki;
+  r.freedom = PidFreedom::max_Ki;
   const PidGains gains = pid_for_crossover(three_lags(), r).gains;
   double largest = 0;
   for (int k = 0; k < 2000; ++k)
@@ -143,12 +143,13 @@ TEST(PidLoop, GreatestKiEndsWhereAnotherCrossoverWouldAppear) {
   r.Ms_max = 1.3;
   const PidLoopDesign refused = pid_for_crossover(three_lags(), r);
   EXPECT_EQ(refused.status, PidLoopStatus::Ms_exceeded);
-  EXPECT_THAT(refused.culprit, HasSubstr("has max |S| of 1.45"));
+  EXPECT_THAT(refused.culprit, HasSubstr("has max |S| >= 1.45"));
   r.crossover = 0.99 * refused.highest_crossover;
   EXPECT_TRUE(pid_for_crossover(three_lags(), r).solved());
 }
 
-// Seeded plants: what is solved, is so in the loop written down anew; signs follow the plant's.
+// Random plants: solutions meet the requirement in an independently computed loop, and the sign of
+// the gains is that of the plant.
 TEST(PidLoop, MeetsItsRequirementOnRandomPlants) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -187,15 +188,16 @@ TEST(PidLoop, MeetsItsRequirementOnRandomPlants) {
 
 // PI on 1/(s + 1)³: the highest crossover has Ki = 0, where the lags alone leave 60°: 3 atan ω =
 // 120°; the lowest has Kp = 0: 3 atan ω = 30°.
-TEST(PidLoop, TellsBetweenWhichCrossoversCanBeHad) {
+TEST(PidLoop, ReportsTheFeasibleCrossovers) {
   const PidLoopDesign high = pid_for_crossover(three_lags(), requirement(PidType::PI, 2, 60));
-  EXPECT_EQ(high.status, PidLoopStatus::phase_out_of_reach);
+  EXPECT_EQ(high.status, PidLoopStatus::phase_infeasible);
   EXPECT_NEAR(high.highest_crossover, std::tan(40 * kDegree), 1e-6);
   EXPECT_NEAR(high.lowest_crossover, std::tan(10 * kDegree), 1e-6);
-  EXPECT_THAT(high.culprit, StrEq("PI at 2 rad/s has to turn the phase by 70.3 deg and can by -90 "
-                                  "to 0; crossovers between 0.1763 and 0.8391 rad/s can be had"));
+  EXPECT_THAT(high.culprit, StrEq("PI at 2 rad/s must have a phase of 70.3 deg, but its range is "
+                                  "-90 to 0; crossovers between 0.1763 and 0.8391 rad/s are "
+                                  "feasible"));
   const PidLoopDesign low = pid_for_crossover(three_lags(), requirement(PidType::PI, 0.01, 60));
-  EXPECT_EQ(low.status, PidLoopStatus::phase_out_of_reach);
+  EXPECT_EQ(low.status, PidLoopStatus::phase_infeasible);
   EXPECT_NEAR(low.lowest_crossover, std::tan(10 * kDegree), 1e-6);
 }
 
@@ -203,7 +205,7 @@ TEST(PidLoop, TellsBetweenWhichCrossoversCanBeHad) {
 TEST(PidLoop, DelayBoundsTheCrossover) {
   const ContinuousTransferFunction P = plant(kOne, Eigen::Vector3d(1, 0, 0), 0.1);
   const PidLoopDesign design = pid_for_crossover(P, requirement(PidType::PD, 20, 40));
-  EXPECT_EQ(design.status, PidLoopStatus::phase_out_of_reach) << design;
+  EXPECT_EQ(design.status, PidLoopStatus::phase_infeasible) << design;
   EXPECT_NEAR(design.highest_crossover, 50 * kDegree / 0.1, 1e-4);
 }
 
@@ -221,7 +223,7 @@ TEST(PidLoop, StabilizesAnUnstablePlant) {
   expect_meets(plant(kOne, Eigen::Vector2d(1, -1), 0.05), requirement(PidType::PI, 3, 45));
 }
 
-// A resonance above the crossover pokes through |L| = 1: the gains meet their two equations only.
+// A resonance above the crossover exceeds |L| = 1: the gains satisfy only their two equations.
 TEST(PidLoop, RefusesALoopWithAnotherCrossover) {
   const double w = 20;
   const double damping = 0.001;
@@ -232,7 +234,7 @@ TEST(PidLoop, RefusesALoopWithAnotherCrossover) {
   EXPECT_TRUE(design.status == PidLoopStatus::unstable) << design;
 }
 
-TEST(PidLoop, RefusesWhatIsNoRequirement) {
+TEST(PidLoop, RejectsInvalidRequirements) {
   const auto refusal = [](const LoopRequirement& r, const ContinuousTransferFunction& P) {
     try {
       (void)pid_for_crossover(P, r);

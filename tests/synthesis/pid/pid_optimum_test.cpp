@@ -20,7 +20,7 @@ const Eigen::VectorXd kUnit = Eigen::VectorXd::Ones(1);
 
 ContinuousTransferFunction three_equal_lags() { return {kUnit, Eigen::Vector4d(1, 3, 3, 1), 0}; }
 
-/// Greatest Ki of a PI by looking: Kp and Ki on a fine grid, Ms on another, stability by Routh.
+/// Maximum Ki of a PI by brute force: Kp and Ki on a fine grid, Ms on another, stability by Routh.
 double looked_for_PI(double Ms_max) {
   double best = 0;
   for (int i = 0; i < 170; ++i) {
@@ -30,12 +30,12 @@ double looked_for_PI(double Ms_max) {
       const double Ki = start * std::pow(1.002, j);
       // s⁴ + 3 s³ + 3 s² + (1 + Kp) s + Ki: stable for (1 + Kp)(9 - 1 - Kp) > 9 Ki
       if (!((1 + Kp) * (8 - Kp) > 9 * Ki)) break;
-      double least = 1;
+      double min = 1;
       for (int k = 0; k < 300; ++k) {
         const std::complex<double> s(0, 0.2 * std::pow(1.01, k));
-        least = std::min(least, std::abs(1.0 + (Kp + Ki / s) / std::pow(s + 1.0, 3)));
+        min = std::min(min, std::abs(1.0 + (Kp + Ki / s) / std::pow(s + 1.0, 3)));
       }
-      if (1 / least > Ms_max) break;
+      if (1 / min > Ms_max) break;
       best = std::max(best, Ki);
     }
   }
@@ -45,13 +45,12 @@ double looked_for_PI(double Ms_max) {
 // Åström, Panagopoulos, Hägglund 1998 print K = 0.633, Ti = 1.945 for Ms = 1.4 and K = 1.22,
 // Ti = 1.78 for Ms = 2.
 TEST(GreatestIntegralGain, OfPiForThreeLags) {
-  const PidOptimum careful =
-      greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1.4});
+  const PidOptimum careful = max_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1.4});
   ASSERT_TRUE(careful.solved()) << careful;
   EXPECT_NEAR(careful.gains.Kp, 0.633, 2e-3) << careful;
   EXPECT_NEAR(careful.gains.Kp / careful.gains.Ki, 1.945, 5e-3);
   EXPECT_THAT(careful.binding, ElementsAre("Ms"));
-  const PidOptimum bold = greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 2});
+  const PidOptimum bold = max_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 2});
   ASSERT_TRUE(bold.solved()) << bold;
   EXPECT_NEAR(bold.gains.Kp, 1.22, 5e-3) << bold;
   EXPECT_NEAR(bold.gains.Kp / bold.gains.Ki, 1.78, 5e-3);
@@ -61,11 +60,11 @@ TEST(GreatestIntegralGain, OfPiForThreeLags) {
 TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
   const double kNone = std::numeric_limits<double>::infinity();
   const PidOptimum Mt =
-      greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 3, .Mt_max = 1.1});
+      max_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 3, .Mt_max = 1.1});
   ASSERT_TRUE(Mt.solved()) << Mt;
   EXPECT_THAT(Mt.binding, ElementsAre("Mt"));
   EXPECT_LE(Mt.Mt, 1.1);
-  const PidOptimum noise = greatest_integral_gain(
+  const PidOptimum noise = max_integral_gain(
       three_equal_lags(), PidType::PID, {.Ms_max = 2, .Mt_max = kNone, .noise_gain_max = 3}, 0.1);
   ASSERT_TRUE(noise.solved()) << noise;
   EXPECT_THAT(noise.binding, ::testing::Contains("noise gain"));
@@ -73,13 +72,13 @@ TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
   EXPECT_LE(noise.Ms, 2 * (1 + 1e-6));
 }
 
-// A derivative helps, and its bounds hold in the loop of a plant with delay; the optimum cannot be
-// left upwards: near it, every point with more Ki breaks a bound.
+// A derivative helps, and its bounds hold in the loop of a plant with delay; near the
+// optimum, every point with a larger Ki violates a bound.
 TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
   const ContinuousTransferFunction P = {kUnit, Eigen::Vector2d(0.5, 1), 0.3};
   const PidBounds bounds = {.Ms_max = 1.6, .Mt_max = 1.4, .noise_gain_max = 12};
-  const PidOptimum without_D = greatest_integral_gain(P, PidType::PI, bounds);
-  const PidOptimum pid = greatest_integral_gain(P, PidType::PID, bounds, 0.02);
+  const PidOptimum without_D = max_integral_gain(P, PidType::PI, bounds);
+  const PidOptimum pid = max_integral_gain(P, PidType::PID, bounds, 0.02);
   ASSERT_TRUE(without_D.solved()) << without_D;
   ASSERT_TRUE(pid.solved()) << pid;
   EXPECT_GT(pid.gains.Ki, without_D.gains.Ki);
@@ -98,37 +97,34 @@ TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
 
 TEST(GreatestIntegralGain, FollowsTheSignOfThePlant) {
   ContinuousTransferFunction P = three_equal_lags();
-  const PidOptimum one = greatest_integral_gain(P, PidType::PI, {});
+  const PidOptimum one = max_integral_gain(P, PidType::PI, {});
   P.num *= -2;
-  const PidOptimum other = greatest_integral_gain(P, PidType::PI, {});
+  const PidOptimum other = max_integral_gain(P, PidType::PI, {});
   ASSERT_TRUE(one.solved() && other.solved());
   EXPECT_NEAR(other.gains.Ki, -one.gains.Ki / 2, 1e-4 * one.gains.Ki);
 }
 
-TEST(GreatestIntegralGain, SaysWhenThereIsNone) {
-  // 1/(s - 1) with a delay of 0.9 cannot be held within Ms = 1.4.
+TEST(GreatestIntegralGain, ReportsInfeasibleBounds) {
+  // 1/(s - 1) with a delay of 0.9 cannot be controlled with Ms <= 1.4.
   const PidOptimum none =
-      greatest_integral_gain({kUnit, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
+      max_integral_gain({kUnit, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(none.status, PidOptimumStatus::not_found) << none;
   EXPECT_TRUE(std::isnan(none.gains.Ki));
-  EXPECT_THAT(none.culprit, HasSubstr("no PI was found that is stable with Ms <= 1.4"));
+  EXPECT_THAT(none.culprit, HasSubstr("no stabilizing PI was found with Ms <= 1.4"));
   const PidOptimum endless =
-      greatest_integral_gain({kUnit, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
+      max_integral_gain({kUnit, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
 }
 
-TEST(GreatestIntegralGain, RefusesBoundsThatAreNone) {
-  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PD, {}), InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1}),
+TEST(GreatestIntegralGain, RejectsInvalidBounds) {
+  EXPECT_THROW((void)max_integral_gain(three_equal_lags(), PidType::PD, {}), InvalidInput);
+  EXPECT_THROW((void)max_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1}),
                InvalidInput);
-  EXPECT_THROW(
-      (void)greatest_integral_gain(three_equal_lags(), PidType::PI, {.Mt_max = std::nan("")}),
-      InvalidInput);
-  EXPECT_THROW(
-      (void)greatest_integral_gain(three_equal_lags(), PidType::PID, {.noise_gain_max = 3}),
-      InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PID, {}, -1),
+  EXPECT_THROW((void)max_integral_gain(three_equal_lags(), PidType::PI, {.Mt_max = std::nan("")}),
                InvalidInput);
+  EXPECT_THROW((void)max_integral_gain(three_equal_lags(), PidType::PID, {.noise_gain_max = 3}),
+               InvalidInput);
+  EXPECT_THROW((void)max_integral_gain(three_equal_lags(), PidType::PID, {}, -1), InvalidInput);
 }
 
 }  // namespace

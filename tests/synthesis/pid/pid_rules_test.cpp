@@ -95,7 +95,7 @@ TEST(PidRules, CohenCoonInBothOfItsForms) {
                   L * (32 + 3.6) / (13 + 4.8), 1.2 / (11 + 1.2), 1e-14);
 }
 
-// Numbers worked out by hand from the rule.
+// Numbers calculated by hand from the rule.
 TEST(PidRules, Amigo) {
   expect_standard(amigo(PidType::PID, kModel), 0.95, 0.446, 0.127, 5e-4);
   expect_standard(amigo(PidType::PI, kModel), 0.343, 0.469, 0, 5e-4);
@@ -132,7 +132,7 @@ TEST(PidRules, LambdaTuningInvertsTheModel) {
   const double T = 0.5;
   const double lambda = 0.4;
   const std::complex<double> s(0.2, 1.5);
-  // The plant is right/(left (T s + 1)); what lies in the right half-plane is not inverted.
+  // The plant is right/(left (T s + 1)); the right-half-plane zeros are not inverted.
   const auto controller = [&](std::complex<double> right, std::complex<double> left) {
     const std::complex<double> Q = left * (T * s + 1.0) / (lambda * s + 1.0);
     return Q / (1.0 - right / left / (T * s + 1.0) * Q);
@@ -148,7 +148,7 @@ TEST(PidRules, PiByPoles) {
   const PidGains gains = pi_by_poles(1, 1, 2, 0.7);
   EXPECT_DOUBLE_EQ(gains.Kp, 1.8);
   EXPECT_DOUBLE_EQ(gains.Ki, 4);
-  // T s² + (1 + gain Kp) s + gain Ki has the roots asked for
+  // T s² + (1 + gain Kp) s + gain Ki has the required roots
   const PidGains other = pi_by_poles(-2, 0.3, 5, 0.4);
   const Eigen::VectorXcd roots =
       polynomial_roots(Eigen::Vector3d(0.3, 1 - 2 * other.Kp, -2 * other.Ki));
@@ -158,10 +158,10 @@ TEST(PidRules, PiByPoles) {
   }
 }
 
-TEST(PidRules, RefuseWhatTheyHaveNoNumbersFor) {
+TEST(PidRules, RejectUnsupportedInput) {
   EXPECT_THAT([] { (void)amigo(PidType::P, kModel); },
-              ThrowsMessage<InvalidInput>(
-                  StrEq("amigo: type is P, expected PI or PID because the rule has no other")));
+              ThrowsMessage<InvalidInput>(StrEq(
+                  "amigo: type is P, expected PI or PID because the rule has no other types")));
   EXPECT_THAT(
       [] {
         (void)ziegler_nichols_step(PidType::PI, {1, 0.5, 0});
@@ -232,11 +232,11 @@ TEST(FitFopdt, MeetsTheStepResponseAtBothPoints) {
   EXPECT_NEAR(response(t28), 1 - std::exp(-1.0 / 3), 1e-12);
 }
 
-TEST(FitFopdt, SaysWhyThereIsNoModel) {
+TEST(FitFopdt, ReportsWhyThereIsNoModel) {
   EXPECT_THAT(fit_fopdt({Eigen::VectorXd::Ones(1), Eigen::Vector2d(1, 0), 0}).culprit,
-              StrEq("the pole at 0 does not settle"));
+              StrEq("the pole at 0 is not stable"));
   EXPECT_THAT(fit_fopdt({Eigen::VectorXd::Ones(1), Eigen::Vector3d(1, -0.2, 1), 0}).culprit,
-              HasSubstr("0.1 +- 0.995i does not settle"));
+              HasSubstr("0.1 +- 0.995i is not stable"));
   EXPECT_THAT(fit_fopdt({Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1), 0}).culprit,
               HasSubstr("no pole"));
   EXPECT_THAT(fit_fopdt({Eigen::Vector2d(1, 0), Eigen::Vector2d(1, 1), 0}).culprit,
@@ -258,7 +258,7 @@ TEST(HalfRule, CountsRightZerosAsDelay) {
   EXPECT_NEAR(fit.model.delay, 0.1 + 0.25 + 0.2, 1e-13);
 }
 
-TEST(HalfRule, SaysWhatItCannotCount) {
+TEST(HalfRule, ReportsUnsupportedRoots) {
   ContinuousTransferFunction plant = lags(Eigen::Vector2cd(-1, -2), 0);
   plant.num = Eigen::Vector2d(1, 2);
   EXPECT_THAT(half_rule_fopdt(plant).culprit, HasSubstr("zero at -2"));

@@ -14,7 +14,7 @@ using std::numbers::pi;
 const Eigen::VectorXd kOneGain = Eigen::VectorXd::Ones(1);
 
 // 1/s e^(-L s) under K is stable for K L < π/2, by its characteristic equation s + K e^(-L s) = 0.
-TEST(LoopShape, KnowsTheLimitOfADelay) {
+TEST(LoopShape, FindsTheStabilityLimitWithDelay) {
   const LoopShape shape({kOneGain, Eigen::Vector2d(1, 0), 0.5}, {});
   EXPECT_TRUE(shape.stable({(pi - 1e-4), 0, 0, 0}));
   EXPECT_FALSE(shape.stable({(pi + 1e-4), 0, 0, 0}));
@@ -24,7 +24,7 @@ TEST(LoopShape, KnowsTheLimitOfADelay) {
 
 // e^(-L s)/(s - 1) under K: stable between K = 1 and the K whose crossover √(K² - 1) has the phase
 // atan ω = ω L.
-TEST(LoopShape, KnowsTheLimitsOfAnUnstablePlantWithDelay) {
+TEST(LoopShape, FindsTheStabilityLimitsOfAnUnstablePlantWithDelay) {
   const double L = 0.3;
   const LoopShape shape({kOneGain, Eigen::Vector2d(1, -1), L}, {});
   double low = 1;
@@ -40,7 +40,7 @@ TEST(LoopShape, KnowsTheLimitsOfAnUnstablePlantWithDelay) {
   EXPECT_FALSE(shape.stable({1.001 * K, 0, 0, 0}));
 }
 
-// A delay too short to matter decides as none, where the roots of the polynomial decide.
+// With a negligible delay, Mikhailov's criterion agrees with the roots of the polynomial.
 TEST(LoopShape, MikhailovAgreesWithTheRoots) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -71,20 +71,20 @@ TEST(LoopShape, FindsTheResonanceOfASecondOrderLoop) {
   }
 }
 
-TEST(LoopShape, FindsTheLeastPhaseMargin) {
+TEST(LoopShape, FindsTheMinimumPhaseMargin) {
   // 2/(s (s + 1)) crosses at ω² = (√17 - 1)/2 with 90° - atan ω.
   const LoopShape shape({Eigen::VectorXd::Constant(1, 2), Eigen::Vector3d(1, 1, 0), 0}, {});
   const double w = std::sqrt((std::sqrt(17.0) - 1) / 2);
-  const LeastPhaseMargin least = shape.least_phase_margin({1, 0, 0, 0});
-  EXPECT_NEAR(least.w, w, 1e-12);
-  EXPECT_NEAR(least.margin, pi / 2 - std::atan(w), 1e-12);
+  const MinPhaseMargin min = shape.min_phase_margin({1, 0, 0, 0});
+  EXPECT_NEAR(min.w, w, 1e-12);
+  EXPECT_NEAR(min.margin, pi / 2 - std::atan(w), 1e-12);
 }
 
-TEST(LoopShape, RefusesLoopsThatDifferentiateOrHideAnIntegral) {
+TEST(LoopShape, RejectsImproperLoopsAndCancelledIntegrals) {
   EXPECT_FALSE(LoopShape({kOneGain, kOneGain, 0}, {}).stable({1, 0, 1, 0}));
   EXPECT_FALSE(
       LoopShape({Eigen::Vector2d(1, 0), Eigen::Vector2d(1, 1), 0}, {}).stable({1, 1, 0, 0}));
-  // 2 s/(s + 1) e^(-s) has |L| = 2 at the top: infinitely many poles right.
+  // 2 s/(s + 1) e^(-s) has |L| = 2 at the top: infinitely many poles in the right half-plane.
   EXPECT_FALSE(
       LoopShape({Eigen::Vector2d(2, 0.1), Eigen::Vector2d(1, 1), 1}, {}).stable({1, 0, 0, 0}));
 }

@@ -26,7 +26,7 @@ ContinuousTransferFunction fraction_of(std::initializer_list<double> num,
   return {coefficients(num), coefficients(den), delay};
 }
 
-double greatest(const std::vector<double>& values) {
+double max(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
@@ -53,7 +53,7 @@ TEST(StepResponse, OfADelayedIntegratorFollowsThePolynomials) {
   }
 }
 
-// The feed-through of L = 0.5 (s + 2)/(s + 1) e^(-s) makes the answer jump at each whole second.
+// The feed-through of L = 0.5 (s + 2)/(s + 1) e^(-s) makes the response jump at each whole second.
 TEST(StepResponse, KeepsJumpsSharp) {
   const StepResponse response = step_response(OpenLoop(fraction_of({0.5, 1}, {1, 1}, 1)), 0, 1.5);
   const auto at = std::find_if(response.t.begin(), response.t.end(),
@@ -63,7 +63,7 @@ TEST(StepResponse, KeepsJumpsSharp) {
   EXPECT_EQ(response.t[k + 1], response.t[k]);
   EXPECT_EQ(response.y[k], 0);
   EXPECT_NEAR(response.y[k + 1], 0.5, 1e-12);
-  // Until the second return L's own step response 1 - 0.5 e^(-(t - 1)).
+  // Before the second jump, the step response of L itself: 1 - 0.5 e^(-(t - 1)).
   EXPECT_NEAR(response.y.back(), 1 - 0.5 * std::exp(-(response.t.back() - 1)), 1e-9);
 }
 
@@ -77,7 +77,7 @@ TEST(StepResponse, OfADiscreteLoopIsItsRecursion) {
   }
 }
 
-// Two integrators that do not know of each other: the second is three times as fast.
+// Two decoupled integrators: the second is three times as fast.
 TEST(StepResponse, OfOneChannelOfTwo) {
   ContinuousLti plant;
   plant.A = Eigen::MatrixXd::Zero(2, 2);
@@ -88,7 +88,7 @@ TEST(StepResponse, OfOneChannelOfTwo) {
 }
 
 // The plant is 1/(s + 1), C = 2 + 3/s: s/(s² + 3 s + 3).
-TEST(StepResponse, OfALoadDiesWithTheIntegral) {
+TEST(StepResponse, OfALoadVanishesWithTheIntegral) {
   const PidGains gains{2, 3, 0, 0};
   const StepResponse response = load_step_response(fraction_of({1}, {1, 1}), gains, 4);
   const double w = std::sqrt(3) / 2;
@@ -98,8 +98,8 @@ TEST(StepResponse, OfALoadDiesWithTheIntegral) {
   }
 }
 
-// Without noise the filter of a derivative does nothing as it becomes fast.
-TEST(StepResponse, OfALoadKnowsTheDerivativeWithAndWithoutFilter) {
+// Without noise, a fast derivative filter has no effect.
+TEST(StepResponse, OfALoadIncludesTheDerivativeWithAndWithoutFilter) {
   const ContinuousTransferFunction plant = fraction_of({1}, {1, 0, 0});
   const StepResponse plain = load_step_response(plant, {4, 0, 3, 0}, 3);  // 1/(s² + 3 s + 4)
   const StepResponse filtered = load_step_response(plant, {4, 0, 3, 1e-6}, 3);
@@ -113,30 +113,29 @@ TEST(StepResponse, OfALoadKnowsTheDerivativeWithAndWithoutFilter) {
   }
 }
 
-// The same by two ways: a load at the input of a delayed plant, and its sampled twin with the delay
-// in the loop so short that it is nothing.
-TEST(StepResponse, OfADelayGoesToThatWithout) {
+// A load at the input of a plant with a negligible delay has the same response as without delay.
+TEST(StepResponse, OfAShortDelayConvergesToThatWithout) {
   const PidGains gains{1, 1, 0.2, 0.1};
   const StepResponse without = load_step_response(fraction_of({1}, {1, 2, 1}), gains, 10);
   const StepResponse with = load_step_response(fraction_of({1}, {1, 2, 1}, 1e-3), gains, 10);
-  EXPECT_NEAR(greatest(with.y), greatest(without.y), 1e-3);
+  EXPECT_NEAR(max(with.y), max(without.y), 1e-3);
   EXPECT_NEAR(with.y.back(), without.y.back(), 1e-3);
 }
 
-TEST(StepResponse, OfAnUnstableLoopStopsWhereItLeaves) {
+TEST(StepResponse, OfAnUnstableLoopStopsAtTheLimit) {
   const StepResponse response = step_response(OpenLoop(fraction_of({1}, {1, -2})));
-  EXPECT_GT(greatest(response.y), 4);
-  EXPECT_LT(greatest(response.y), 40);
+  EXPECT_GT(max(response.y), 4);
+  EXPECT_LT(max(response.y), 40);
   for (const double y : response.y) EXPECT_TRUE(std::isfinite(y));
 }
 
-TEST(StepResponse, ShowsFastMotionBesideASlowTail) {
+TEST(StepResponse, ShowsFastMotionBeforeASlowTail) {
   // 0.01 s and 100 s: the tail is below 2 %.
   const StepResponse response = step_response(OpenLoop(fraction_of({100, 1.1}, {1, 0.0001, 0})));
   EXPECT_LT(response.t.back(), 1);
 }
 
-TEST(StepResponse, RefusesWhatIsNotThere) {
+TEST(StepResponse, RejectsInvalidInput) {
   const OpenLoop loop(fraction_of({1}, {1, 0}));
   EXPECT_THROW((void)step_response(loop, 1), InvalidInput);
   EXPECT_THROW((void)step_response(loop, 0, -1), InvalidInput);

@@ -20,7 +20,7 @@ using ::testing::ThrowsMessage;
 
 RiccatiMatrices as_matrices(const RiccatiCase& c) { return {c.A, c.B, c.Q, c.R, c.N}; }
 
-/// Eight neighbours: a random problem, changed by a few per cent in each lane.
+/// Eight similar problems: a random problem, changed by a few per cent in each lane.
 std::vector<RiccatiCase> neighbours(Eigen::Index nx, Eigen::Index nu, bool discrete, bool cross,
                                     std::mt19937_64& random) {
   const RiccatiCase base = testing::random_case(nx, nu, discrete, cross, random);
@@ -47,7 +47,7 @@ void expect_stable(const RiccatiCase& c, const MatrixXd& K, bool discrete) {
     EXPECT_LT(poles.real().maxCoeff(), 0);
 }
 
-TEST(RiccatiBatch, SolvesWhatTheSolverOfOneSolves) {
+TEST(RiccatiBatch, AgreesWithRiccatiSolver) {
   std::mt19937_64 random(7);
   for (const Eigen::Index nx : {1, 2, 5, 8, 12, 13, 16, 30, 40})
     for (const bool discrete : {false, true})
@@ -72,7 +72,7 @@ TEST(RiccatiBatch, SolvesWhatTheSolverOfOneSolves) {
           EXPECT_LE(results[lane].residual, 1e-12) << where;
           expect_stable(c, results[lane].K, discrete);
         }
-        // The lanes answered, and not the fallback, or none of this was about them.
+        // The lanes must have solved it, not the fallback.
         if (nx <= 16) {
           EXPECT_EQ(batch.fallbacks(), 0u) << nx;
         }
@@ -82,7 +82,7 @@ TEST(RiccatiBatch, SolvesWhatTheSolverOfOneSolves) {
       }
 }
 
-// 1/J of 2e4 beside g of 10: lost without scaling.
+// Entries 1/J = 2e4 and g = 10: inaccurate without scaling.
 TEST(RiccatiBatch, SolvesASmallHoverInSiUnits) {
   for (const bool discrete : {false, true}) {
     const RiccatiCase c = discrete ? testing::small_hover_sampled(0.005) : testing::small_hover();
@@ -102,7 +102,7 @@ TEST(RiccatiBatch, SolvesASmallHoverInSiUnits) {
   }
 }
 
-TEST(RiccatiBatch, TakesFewerThanItsLanes) {
+TEST(RiccatiBatch, AcceptsFewerProblemsThanLanes) {
   std::mt19937_64 random(8);
   const std::vector<RiccatiMatrices> problems = as_matrices(neighbours(6, 2, false, false, random));
   RiccatiBatch batch(6, 2);
@@ -116,8 +116,8 @@ TEST(RiccatiBatch, TakesFewerThanItsLanes) {
   }
 }
 
-// Twice the same lane, or another one beside it: the same bytes as long as the first lane, which
-// gives the scales, is the same.
+// The result of a lane does not depend on the other lanes, bit by bit, as long as the first lane,
+// which determines the scales, is the same.
 TEST(RiccatiBatch, LanesDoNotMix) {
   std::mt19937_64 random(9);
   std::vector<RiccatiMatrices> problems = as_matrices(neighbours(5, 2, true, false, random));
@@ -144,17 +144,17 @@ TEST(RiccatiBatch, NamesTheCulpritOfALane) {
       continue;
     }
     EXPECT_EQ(results[lane].status, RiccatiStatus::not_stabilizable);
-    EXPECT_THAT(results[lane].culprit, HasSubstr("cannot be steered"));
+    EXPECT_THAT(results[lane].culprit, HasSubstr("cannot be controlled"));
     EXPECT_TRUE(results[lane].K.array().isNaN().all());
   }
 }
 
-TEST(RiccatiBatch, RefusesWhatIsNone) {
+TEST(RiccatiBatch, RejectsInvalidInput) {
   std::mt19937_64 random(11);
   std::vector<RiccatiMatrices> problems = as_matrices(neighbours(3, 1, false, false, random));
   RiccatiBatch batch(3, 1);
   EXPECT_THAT([&] { batch.care({}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("0 problems came, expected 1 to 8")));
+              ThrowsMessage<InvalidInput>(HasSubstr("0 problems are given, expected 1 to 8")));
   problems[1].R(0, 0) = -1;
   EXPECT_THAT([&] { batch.care(problems); },
               ThrowsMessage<InvalidInput>(HasSubstr("R has eigenvalue -1")));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Riccati problems whose matrices are as far apart as a double allows, judged in 100 digits by an
-/// algorithm that the solver does not use. QUADTUNE_RICCATI_PROBLEMS=2000 asks for so many of each
-/// class instead of a few.
+/// Riccati problems whose matrices differ in magnitude as much as double precision permits,
+/// verified in 100 digits by an algorithm that the solver does not use.
+/// QUADTUNE_RICCATI_PROBLEMS=2000 sets the number of problems of each class.
 #include <Eigen/QR>
 #include <cmath>
 #include <cstdlib>
@@ -26,9 +26,9 @@ double relative_difference(const MatrixXd& K, const LongMatrix& exact) {
   return LongReal((K.cast<LongReal>() - exact).norm() / exact.norm()).convert_to<double>();
 }
 
-/// A solution that is right to a millionth, or that carries the warning and is right to ten times
-/// what it tells. Only where rounding has left Q an eigenvalue below 0 may there be no solution of
-/// the exact numbers; then the warning says so.
+/// Checks that a solution is accurate to 1e-6, or has a warning and is accurate to ten times the
+/// error that it states. Only if Q has a negative eigenvalue by rounding, the exact problem may
+/// have no solution; the warning must then state this.
 void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = true) {
   const RiccatiResult r = discrete ? dare(c.A, c.B, c.Q, c.R, c.N) : care(c.A, c.B, c.Q, c.R, c.N);
   ASSERT_TRUE(r.solved()) << r;
@@ -41,7 +41,7 @@ void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = tru
   if (!judgement.exact) {
     EXPECT_FALSE(always_has_one) << r;
     EXPECT_EQ(r.gain_error, std::numeric_limits<double>::infinity()) << r;
-    EXPECT_THAT(r.warning, ::testing::HasSubstr("decides whether there is a solution"));
+    EXPECT_THAT(r.warning, ::testing::HasSubstr("decides whether a solution exists"));
     return;
   }
   if (always_has_one) {
@@ -52,7 +52,7 @@ void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = tru
       << r << "; " << r.warning;
 }
 
-/// How many of each class.
+/// Number of problems of each class.
 int problems() {
   const char* asked = std::getenv("QUADTUNE_RICCATI_PROBLEMS");
   // 100 digits are twenty times slower under sanitizers.
@@ -72,7 +72,7 @@ double power_of_ten(double low, double high, std::mt19937_64& random) {
   return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
 }
 
-/// V diag(s) Vᵀ with V orthogonal and s from 1 down to 10^-decades, both ends taken.
+/// V diag(s) Vᵀ with V orthogonal and s from 1 down to 10^-decades, both ends included.
 MatrixXd spread(Index m, double decades, std::mt19937_64& random) {
   const MatrixXd V =
       Eigen::HouseholderQR<MatrixXd>(testing::random_matrix(m, m, random)).householderQ();
@@ -130,8 +130,8 @@ INSTANTIATE_TEST_SUITE_P(Classes, HardRiccati,
                                                  14}),
                          [](const auto& kind) { return kind.param.name; });
 
-// Refused before: the plain recursion solves it in a few steps.
-TEST(HardRiccati, OnceRefused) {
+// Regression: this problem was rejected, although the plain recursion solves it in a few steps.
+TEST(HardRiccati, RegressionWronglyRejected) {
   const RiccatiCase c{
       MatrixXd{{1.7201196195664805, 0.041165363426994013, 0.14770458274935161},
                {-1.2792430645800528, 0.78684279923809686, 0.45940270930452715},
@@ -151,9 +151,9 @@ TEST(HardRiccati, OnceRefused) {
   EXPECT_NEAR(r.poles.cwiseAbs().maxCoeff(), 0.80, 0.01);
 }
 
-// Wrong by 6e-4 before, without a warning: doubling leaves a residual of 7e-14, of which the nearly
-// singular R makes much more in K than in X.
-TEST(HardRiccati, OnceWrong) {
+// Regression: the solution had an error of 6e-4 without a warning. Doubling leaves a residual of
+// 7e-14, which the nearly singular R amplifies in K much more than in X.
+TEST(HardRiccati, RegressionWrongWithoutWarning) {
   const RiccatiCase c{
       MatrixXd{{-0.046867966891066509, 0.0070315883560805297, 0.068605052768975244},
                {-1.651799054011897, 0.76239238287251188, 0.16072454947219836},
@@ -170,9 +170,10 @@ TEST(HardRiccati, OnceWrong) {
   expect_right(c, false, false);
 }
 
-// Rounding has left Q the eigenvalue -2.5e-10, beside which R's least is 3e-11: the Hamiltonian
-// matrix has eigenvalues on the imaginary axis, and what a double finds is not a solution.
-TEST(HardRiccati, TellsThatRoundingDecides) {
+// By rounding, Q has the eigenvalue -2.5e-10, while the smallest eigenvalue of R is 3e-11: the
+// Hamiltonian matrix has eigenvalues on the imaginary axis, and the result in double precision is
+// not a solution.
+TEST(HardRiccati, ReportsThatRoundingDecides) {
   const RiccatiCase c{
       MatrixXd{{0.39132280958716753, 1.6941207501232569, -1.0089438279968586},
                {-1.7164933450325932, -1.6433734502649251, -0.13605014661735351},
@@ -189,9 +190,9 @@ TEST(HardRiccati, TellsThatRoundingDecides) {
   expect_right(c, false, false);
 }
 
-// R = 0 and BᵀQB = 0: the input reaches what costs after two steps. K = [0.25 0.7] makes both poles
-// 0.
-TEST(HardRiccati, TakesACostThatTheInputReachesLate) {
+// R = 0 and BᵀQB = 0: the input affects the cost after two steps. With K = [0.25 0.7] both poles
+// are 0.
+TEST(HardRiccati, AcceptsACostThatTheInputAffectsLate) {
   const MatrixXd A{{0.5, 1}, {0, 0.2}}, B{{0}, {1}}, Q{{1, 0}, {0, 0}}, R{{0}};
   const RiccatiResult r = dare(A, B, Q, R);
   ASSERT_TRUE(r.solved()) << r;

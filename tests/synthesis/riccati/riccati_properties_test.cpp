@@ -20,7 +20,7 @@ RiccatiResult solve(const RiccatiCase& c, bool discrete, const RiccatiOptions& o
   return discrete ? dare(c.A, c.B, c.Q, c.R, c.N, options) : care(c.A, c.B, c.Q, c.R, c.N, options);
 }
 
-/// What must hold of every solution, checked from its definition.
+/// Checks the properties of every solution from their definitions.
 void expect_stabilizing(const RiccatiCase& c, const RiccatiResult& r, bool discrete,
                         double residual) {
   ASSERT_TRUE(r.solved()) << r;
@@ -67,8 +67,8 @@ TEST_P(RandomPlants, LargeOnesAreSolvedToRounding) {
   }
 }
 
-// What single precision does not hold is left to double precision: a weight on one state only,
-// units a million apart, a loop whose poles are ten decades apart.
+// Problems beyond single precision are solved in double precision: a weight on one state only,
+// units that differ by a factor of a million, a loop whose poles differ by ten decades.
 TEST_P(RandomPlants, LargeOnesThatSinglePrecisionDoesNotHold) {
   const bool discrete = GetParam();
   std::mt19937_64 random(78);
@@ -96,7 +96,7 @@ TEST_P(RandomPlants, LargeOnesThatSinglePrecisionDoesNotHold) {
   expect_stabilizing(stiff, solve(stiff, discrete), discrete, 1e-12);
 }
 
-// One doubling step is not enough, so that the Schur method must answer.
+// One doubling step does not suffice, so that the Schur method must solve the problem.
 TEST_P(RandomPlants, DoublingAgreesWithSchur) {
   const bool discrete = GetParam();
   std::mt19937_64 random(99);
@@ -135,7 +135,7 @@ TEST_P(RandomPlants, ChangeOfStatesChangesXAlike) {
   }
 }
 
-// Units are powers of two here, so nothing but the balancing may notice them.
+// Units are powers of two, so that they affect only the balancing.
 TEST_P(RandomPlants, UnitsDoNotMatter) {
   const bool discrete = GetParam();
   std::mt19937_64 random(8);
@@ -157,8 +157,8 @@ INSTANTIATE_TEST_SUITE_P(Time, RandomPlants, ::testing::Bool(), [](const auto& t
   return std::string(time.param ? "Discrete" : "Continuous");
 });
 
-// Groups of states that do not know of one another are solved alone; mixing the states couples them
-// again, and must not change the solution. One group here has no input, one input no group.
+// Decoupled groups of states are solved separately. A change of states couples them, and must not
+// change the solution. One group has no input, and one input belongs to no group.
 TEST(RiccatiGroups, AreTheSameAsTheWhole) {
   std::mt19937_64 random(21);
   for (const bool discrete : {false, true}) {
@@ -189,7 +189,8 @@ TEST(RiccatiGroups, AreTheSameAsTheWhole) {
     mixed.Q = (0.5 * (mixed.Q + mixed.Q.transpose())).eval();
     const RiccatiResult whole = solve(mixed, discrete);
     ASSERT_TRUE(whole.solved()) << whole;
-    // The mixing alone rounds the data, so the two agree as far as the condition lets them.
+    // The change of states rounds the data, so both solutions agree only as far as the condition
+    // permits.
     const double bound = 100 * std::numeric_limits<double>::epsilon() / whole.rcond;
     EXPECT_THAT(r.X, MatrixRelativelyNear(mixing * whole.X * mixing.transpose(), bound));
     EXPECT_NEAR(std::log(r.rcond / whole.rcond), 0, 0.05);

@@ -9,7 +9,8 @@
 #include "quadtune/synthesis/riccati.hpp"
 #include "quadtune/synthesis/riccati_batch.hpp"
 
-// Eigen allocates by malloc, the standard library by operator new; glibc lets both be counted here.
+// Eigen allocates by malloc, the standard library by operator new; with glibc both are counted
+// here.
 extern "C" void* __libc_malloc(std::size_t size);
 namespace {
 std::atomic<long> allocations{0};
@@ -80,8 +81,8 @@ TEST(RiccatiBatch, SolvesAgainAndAgainWithoutAllocating) {
   EXPECT_EQ(batch.fallbacks(), 0u);
 }
 
-// A hover falls into four groups; the memory for them is kept as well.
-TEST(RiccatiSolver, KeepsTheMemoryOfGroups) {
+// A hover has four decoupled groups; the memory for them is reused as well.
+TEST(RiccatiSolver, ReusesTheMemoryOfGroups) {
 #ifndef QUADTUNE_COUNTS_ALLOCATIONS
   GTEST_SKIP() << "malloc cannot be counted in this build";
 #endif
@@ -104,8 +105,8 @@ TEST(RiccatiSolver, IsTheSameAsTheFunctions) {
   }
 }
 
-// Nothing of one solve may show in the next one.
-TEST(RiccatiSolver, ForgetsAFailure) {
+// A solve must not affect the next one.
+TEST(RiccatiSolver, IsUnaffectedByAnEarlierFailure) {
   RiccatiCase c = testing::small_hover();
   RiccatiSolver solver(12, 4);
   ASSERT_TRUE(solver.care(c.A, c.B, c.Q, c.R).solved());

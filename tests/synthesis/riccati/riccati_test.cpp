@@ -123,9 +123,9 @@ TEST(Riccati, CrossTermEqualsShiftedPlant) {
     }
 }
 
-// The mode at 1 is not seen by Q, but it is not on the boundary: it is mirrored to -1. The smallest
-// solution, which doubling goes to, would leave it unstable.
-TEST(Care, MirrorsAnUnstableModeThatQDoesNotSee) {
+// The mode at 1 is not observable through Q, but it is not on the boundary: it is mirrored to -1.
+// The smallest solution, to which doubling converges, would leave it unstable.
+TEST(Care, MirrorsAnUnstableModeUnobservableThroughQ) {
   const RiccatiResult r = care(matrix({{1}}), matrix({{1}}), matrix({{0}}), matrix({{1}}));
   ASSERT_TRUE(r.solved()) << r;
   EXPECT_NEAR(r.X(0, 0), 2, 1e-14);
@@ -133,7 +133,7 @@ TEST(Care, MirrorsAnUnstableModeThatQDoesNotSee) {
   EXPECT_TRUE(r.used_schur);
 }
 
-TEST(Dare, MirrorsAnUnstableModeThatQDoesNotSee) {
+TEST(Dare, MirrorsAnUnstableModeUnobservableThroughQ) {
   const RiccatiResult r =
       dare(matrix({{2, 0}, {0, 0.5}}), matrix({{1}, {1}}), matrix({{0, 0}, {0, 0}}), matrix({{1}}));
   ASSERT_TRUE(r.solved()) << r;
@@ -153,12 +153,12 @@ TEST(Riccati, NothingToDoIsSolvedByZero) {
   EXPECT_THAT(d.X, MatrixNear(zero, 0.0));
 }
 
-TEST(Care, NamesTheModeThatCannotBeSteered) {
+TEST(Care, NamesTheUncontrollableMode) {
   RiccatiCase c = testing::small_hover();
   c.B.row(9).setZero();  // no roll torque
   const RiccatiResult r = solve_case(c, false, named(testing::small_hover_names()));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: y, roll, vy and p cannot be steered");
+  EXPECT_EQ(r.culprit, "mode at 0: y, roll, vy and p cannot be controlled");
   EXPECT_TRUE(r.X.array().isNaN().all());
   EXPECT_TRUE(r.K.array().isNaN().all());
   EXPECT_EQ(r.poles.size(), 0);
@@ -169,52 +169,54 @@ TEST(Care, NamesADoubleIntegratorWithoutInput) {
   const RiccatiResult r = care(A, matrix({{0}, {0}, {1}}), MatrixXd::Identity(3, 3), matrix({{1}}),
                                MatrixXd(), named({"y", "vy", "w"}));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: y and vy cannot be steered");
+  EXPECT_EQ(r.culprit, "mode at 0: y and vy cannot be controlled");
 }
 
-// Two integrals of the same output: only one of them can be held.
-TEST(Care, NamesAnIntegralThatCannotBeHeld) {
+// Two integrals of the same output: only one of them is controllable.
+TEST(Care, NamesAnUncontrollableIntegral) {
   const MatrixXd A = matrix({{0, 1, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 0, 0}});
   const RiccatiResult r = care(A, matrix({{0}, {1}, {0}, {0}}), MatrixXd::Identity(4, 4),
                                matrix({{1}}), MatrixXd(), named({"y", "vy", "int a", "int b"}));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: int a and int b cannot be steered");
+  EXPECT_EQ(r.culprit, "mode at 0: int a and int b cannot be controlled");
 }
 
-TEST(Care, NamesTheModeThatQDoesNotSee) {
+TEST(Care, NamesTheModeUnobservableThroughQ) {
   RiccatiCase c = testing::small_hover();
   c.Q(5, 5) = 0;
   const RiccatiResult r = solve_case(c, false, named(testing::small_hover_names()));
   EXPECT_EQ(r.status, RiccatiStatus::not_detectable);
-  EXPECT_EQ(r.culprit, "mode at 0: yaw is not seen by Q");
+  EXPECT_EQ(r.culprit, "mode at 0: yaw is not observable through Q");
 }
 
 TEST(Dare, NamesTheCulprits) {
   RiccatiCase unseen = testing::small_hover_sampled(0.01);
   unseen.Q(5, 5) = 0;
   const RiccatiOptions options = named(testing::small_hover_names());
-  EXPECT_EQ(solve_case(unseen, true, options).culprit, "mode at 1: yaw is not seen by Q");
+  EXPECT_EQ(solve_case(unseen, true, options).culprit,
+            "mode at 1: yaw is not observable through Q");
   RiccatiCase unsteered = testing::small_hover_sampled(0.01);
   unsteered.B.col(3).setZero();
-  EXPECT_EQ(solve_case(unsteered, true, options).culprit, "mode at 1: yaw and r cannot be steered");
+  EXPECT_EQ(solve_case(unsteered, true, options).culprit,
+            "mode at 1: yaw and r cannot be controlled");
 }
 
 TEST(Care, NamesOscillatingModes) {
   const RiccatiResult growing = care(matrix({{0.1, 2}, {-2, 0.1}}), matrix({{0}, {0}}),
                                      MatrixXd::Identity(2, 2), matrix({{1}}));
-  EXPECT_EQ(growing.culprit, "mode at 0.1 ± 2i: state 1 and state 2 cannot be steered");
+  EXPECT_EQ(growing.culprit, "mode at 0.1 ± 2i: state 1 and state 2 cannot be controlled");
   const RiccatiResult unseen =
       care(matrix({{0, 2}, {-2, 0}}), matrix({{0}, {1}}), MatrixXd::Zero(2, 2), matrix({{1}}));
   EXPECT_EQ(unseen.status, RiccatiStatus::not_detectable);
-  EXPECT_EQ(unseen.culprit, "mode at ±2i: state 1 and state 2 are not seen by Q");
+  EXPECT_EQ(unseen.culprit, "mode at ±2i: state 1 and state 2 are not observable through Q");
 }
 
-TEST(Care, SpeaksOfMeasurementsToAFilter) {
+TEST(Care, NamesMeasurementsForAFilter) {
   RiccatiOptions options = named({"a", "b"});
   options.problem = RiccatiProblem::filter;
   const RiccatiResult r = care(MatrixXd::Zero(2, 2), matrix({{1}, {0}}), MatrixXd::Identity(2, 2),
                                matrix({{1}}), MatrixXd(), options);
-  EXPECT_EQ(r.culprit, "mode at 0: b cannot be seen by the measurements");
+  EXPECT_EQ(r.culprit, "mode at 0: b cannot be observed by the measurements");
 }
 
 // A change of states scatters the four zero eigenvalues of a chain over a circle of radius 1e-4.
@@ -235,7 +237,7 @@ TEST(Care, FindsTheCulpritInAnyBasis) {
 }
 
 // [Q N; Nᵀ R] indefinite: x' = u, cost u² + 2 x u·0.5 - x²/4 … has H with a double eigenvalue 0.
-TEST(Care, TellsAPairOnTheBoundary) {
+TEST(Care, ReportsAPairOnTheBoundary) {
   const RiccatiResult r = care(matrix({{0, 1}, {-1, 0}}), matrix({{0}, {1}}),
                                matrix({{-2, 0}, {0, -2}}), matrix({{1}}));
   EXPECT_EQ(r.status, RiccatiStatus::boundary_pair) << r;
@@ -256,7 +258,7 @@ TEST(Riccati, AcceptsQIndefiniteByRoundingAndReportsMore) {
   EXPECT_TRUE(more.solved()) << more;
   EXPECT_THAT(more.warning, HasSubstr("Q has eigenvalue -0.001, expected Q >= 0"));
   RiccatiOptions strict;
-  strict.refuse_indefinite_Q = true;
+  strict.reject_indefinite_Q = true;
   EXPECT_THAT([&] { (void)care(A, b, negative, one, MatrixXd(), strict); },
               ThrowsMessage<InvalidInput>(HasSubstr("care: Q has eigenvalue -0.001")));
 }
@@ -324,17 +326,17 @@ TEST(Riccati, RefusesOptionsOutOfRange) {
 TEST(Riccati, PrintsWhatHappened) {
   std::ostringstream text;
   text << care(matrix({{0}}), matrix({{0}}), matrix({{1}}), matrix({{1}}));
-  EXPECT_EQ(text.str(), "not stabilizable (mode at 0: state 1 cannot be steered)");
+  EXPECT_EQ(text.str(), "not stabilizable (mode at 0: state 1 cannot be controlled)");
   EXPECT_EQ(to_string(RiccatiStatus::solved), "solved");
 }
 
-TEST(RiccatiCulprit, WeightsOfExtremeSizeAreCalledThat) {
+TEST(RiccatiCulprit, ReportsWeightsOfExtremeSize) {
   const testing::RiccatiCase hover = testing::small_hover();
   for (const double size : {1e-300, 1e300}) {
     const RiccatiResult r = care(hover.A, hover.B, size * hover.Q, hover.R);
     ASSERT_FALSE(r.solved());
-    EXPECT_THAT(r.culprit, ::testing::Not(::testing::HasSubstr("cannot be steered")));
-    EXPECT_THAT(r.culprit, ::testing::HasSubstr("it may be rounding, for entries reach"));
+    EXPECT_THAT(r.culprit, ::testing::Not(::testing::HasSubstr("cannot be controlled")));
+    EXPECT_THAT(r.culprit, ::testing::HasSubstr("this may be due to rounding: entries reach"));
   }
 }
 

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using V = Vector<double, 4>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Small whole numbers, whose sums and products are exact; stored row by row.
+/// Small integers, whose sums and products are exact; stored row by row.
 VectorStorage<V> numbers(int rows, int columns, int seed) {
   VectorStorage<V> M(rows * columns / 4);
   for (int i = 0; i < rows * columns; ++i) M.data()[i] = (i * i + seed * i + seed) % 11 - 5;
@@ -34,8 +34,8 @@ Rows as_matrix(const Tile<V, kRows, kVectors>& tile) {
 TEST(SmallMatrix, VectorsHaveTheArithmeticOfTheirElements) {
   const V x = {-3, 0, 2, -0.0};
   EXPECT_EQ(total(x), -1);
-  EXPECT_EQ(total(magnitude(x)), 5);
-  EXPECT_FALSE(std::signbit(magnitude(x)[3]));
+  EXPECT_EQ(total(abs_of(x)), 5);
+  EXPECT_FALSE(std::signbit(abs_of(x)[3]));
   EXPECT_EQ(total(multiply_add(x, x, broadcast<V>(1))), 17);      // Σ (x² + 1)
   EXPECT_EQ(total(subtract_product(x, x, broadcast<V>(1))), -9);  // Σ (1 - x²)
   EXPECT_EQ(total(square_root(broadcast<V>(9))), 12);

@@ -44,8 +44,8 @@ MatrixXd regulator(const OutputFeedbackProblem& problem) {
   return dare(problem.plant.A[0], problem.plant.B[0], problem.Q, problem.R).K;
 }
 
-/// With all states in its hands the search has to find what the Riccati equation gives.
-TEST(FixedGains, OfAllStatesAreTheRegulator) {
+/// If all states are fed back, the search must find the solution of the Riccati equation.
+TEST(FixedGains, OfAllStatesEqualTheLqrGain) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 5; ++trial) {
     const FixedGainsMember member = random_member(random, 4, 2);
@@ -60,7 +60,7 @@ TEST(FixedGains, OfAllStatesAreTheRegulator) {
   }
 }
 
-/// What is 0 stays 0; no neighbour within the structure costs less, and every member is stable.
+/// Entries of 0 stay 0; no neighbour within the structure costs less, and every member is stable.
 TEST(FixedGains, AreAMinimumOfTheirStructure) {
   std::mt19937 random(12);
   const FixedGainsMember one = random_member(random, 4, 2);
@@ -94,8 +94,8 @@ TEST(FixedGains, AreAMinimumOfTheirStructure) {
     }
 }
 
-/// A mass with an actuator that lags, position and velocity fed back: without bounds the loop's Ms
-/// is above 1.5, with them it is not.
+/// A mass with a lagging actuator, position and velocity fed back: without bounds Ms of the loop is
+/// above 1.5, with them it is not.
 TEST(FixedGains, KeepTheirBounds) {
   FixedGainsMember member;
   member.name = "mass";
@@ -126,8 +126,8 @@ TEST(FixedGains, KeepTheirBounds) {
   EXPECT_GT(bounded.cost, free.cost);
 }
 
-/// A tilt, its rate and a rotor that lags, and the position that the tilt moves. The outer loop is
-/// cut where it commands the tilt, with the inner loop closed in its plant.
+/// A tilt, its rate, a lagging rotor, and the position that the tilt moves. The outer loop is
+/// opened at the command of the tilt, with the inner loop closed in its plant.
 TEST(FixedGains, KeepTheBoundOfTheOuterLoop) {
   FixedGainsMember member;
   member.name = "chain";
@@ -168,11 +168,11 @@ TEST(FixedGains, KeepTheBoundOfTheOuterLoop) {
   const FixedGainsResult bounded = fixed_gains({member}, start);
   ASSERT_TRUE(bounded.solved()) << to_string(bounded.status) << bounded.violation;
   EXPECT_LT(outer_Ms(bounded.F), member.outer_Ms * 1.001);
-  EXPECT_GT(outer_Ms(bounded.F), member.outer_Ms * 0.95);  // and no less than it may be
+  EXPECT_GT(outer_Ms(bounded.F), member.outer_Ms * 0.95);  // and close to the bound
   EXPECT_GT(bounded.cost, free.cost);
 }
 
-TEST(FixedGains, SayWhichMemberIsUnstableAtTheStart) {
+TEST(FixedGains, NameTheMemberThatIsUnstableAtTheStart) {
   std::mt19937 random(13);
   FixedGainsMember good = random_member(random, 3, 1);
   good.problem.plant.A[0] *= 0.5;
@@ -184,12 +184,12 @@ TEST(FixedGains, SayWhichMemberIsUnstableAtTheStart) {
   EXPECT_EQ(result.culprit, "heavy");
 }
 
-TEST(FixedGains, RefuseWhatTheyCannotSearch) {
+TEST(FixedGains, RejectInvalidInput) {
   std::mt19937 random(14);
   FixedGainsMember member = random_member(random, 3, 2);
   const MatrixXd start = MatrixXd::Ones(2, 3);
   EXPECT_THAT([&] { (void)fixed_gains({}, start); },
-              ThrowsMessage<InvalidInput>(HasSubstr("fixed gains: no member came")));
+              ThrowsMessage<InvalidInput>(HasSubstr("fixed gains: there is no member")));
   EXPECT_THAT([&] { (void)fixed_gains({member}, MatrixXd::Zero(2, 3)); },
               ThrowsMessage<InvalidInput>(HasSubstr("fixed gains: every starting gain is 0")));
   FixedGainsOptions options;
@@ -202,12 +202,13 @@ TEST(FixedGains, RefuseWhatTheyCannotSearch) {
   member.weight = 1;
   member.response = Eigen::MatrixXcd::Zero(3, 1);
   EXPECT_THAT([&] { (void)fixed_gains({member}, start); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the law has 2 inputs, expected one")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("the law has 2 inputs; expected a law with one input")));
   FixedGainsMember single = random_member(random, 3, 1);
   single.response = Eigen::MatrixXcd::Zero(3, 1);
   single.bounds.Ms = 1;
   EXPECT_THAT([&] { (void)fixed_gains({single}, MatrixXd::Ones(1, 3)); },
-              ThrowsMessage<InvalidInput>(HasSubstr("are Ms 1 and disk 0.5, expected Ms > 1")));
+              ThrowsMessage<InvalidInput>(HasSubstr("are Ms 1 and disk 0.5; expected Ms > 1")));
   single.bounds.Ms = 2;
   single.inner = {3};
   EXPECT_THAT([&] { (void)fixed_gains({single}, MatrixXd::Ones(1, 3)); },

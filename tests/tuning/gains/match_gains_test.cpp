@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
-/// Diagonal weights of 1 for these sizes.
+/// Diagonal weights of 1 with these sizes.
 LqrDesign ones(Index nx, Index nu, const std::vector<std::string>& integrals) {
   LqrDesign design;
   design.integrals = integrals;
@@ -48,7 +48,7 @@ VectorXd uquad_weights() {
   return w;
 }
 
-/// As they stand in designs/uquad-hover.toml.
+/// As in designs/uquad-hover.toml.
 struct Published {
   MatrixXd K, K_int;
 };
@@ -95,8 +95,9 @@ TEST(MatchGains, ScalarInClosedForm) {
   EXPECT_TRUE(match.unseen.empty());
 }
 
-// A gain between a/b and 2 a/b stabilizes and is no LQR's: |1 + L(0)| < 1, Kalman's inequality.
-TEST(MatchGains, AStabilizingGainThatIsNoLqrGainIsTold) {
+// A gain between a/b and 2 a/b stabilizes but is not an LQR gain: |1 + L(0)| < 1 violates Kalman's
+// inequality.
+TEST(MatchGains, ReportsAStabilizingGainThatIsNotAnLqrGain) {
   ContinuousLti plant;
   plant.A = MatrixXd::Constant(1, 1, 0.5);
   plant.B = MatrixXd::Constant(1, 1, 2);
@@ -106,7 +107,7 @@ TEST(MatchGains, AStabilizingGainThatIsNoLqrGainIsTold) {
   const GainMatch match =
       match_gains(plant, ones(1, 1, {}), MatrixXd::Constant(1, 1, k), MatrixXd(1, 0));
   EXPECT_EQ(match.status, GainMatchStatus::not_matched);
-  // The nearest of all LQR gains is that of Q = 0: 2 a/b = 0.5, the mirrored pole.
+  // The closest LQR gain is that of Q = 0: 2 a/b = 0.5, the mirrored pole.
   EXPECT_NEAR(match.feedback.K(0, 0), 0.5, 1e-6);
   EXPECT_EQ(match.weights[0].verdict, WeightVerdict::at_zero);
   EXPECT_NEAR(match.after, 0.2 / 0.3, 1e-6);
@@ -148,8 +149,8 @@ TEST_P(MatchEveryMethod, FindsTheWeightsOfRandomPlants) {
   }
 }
 
-// What a gain's own cost lacks to be stationary is linear in the weights: of an LQR gain one
-// singular vector is the answer.
+// The stationarity residual of the cost of a gain is linear in the weights: for an LQR gain one
+// singular vector is the solution.
 TEST_P(MatchEveryMethod, StationaryWeightsNeedNoSearch) {
   std::mt19937_64 random(41);
   std::uniform_real_distribution<double> decade(-1.5, 1.5);
@@ -168,8 +169,8 @@ TEST_P(MatchEveryMethod, StationaryWeightsNeedNoSearch) {
               MatrixNear(VectorXd::Ones(8).eval(), 1e-7));
 }
 
-// The intervals are true to their word: at their ends, the others following, the gain is as far off
-// as the tolerance says.
+// The intervals are correct: at their ends, with the other weights compensating, the difference of
+// the gain is the tolerance.
 TEST(MatchGains, IntervalsEndWhereTheGainMovesByTheTolerance) {
   std::mt19937_64 random(37);
   ContinuousLti plant = testing::random_plant(4, 2, 4, false, random);
@@ -181,7 +182,7 @@ TEST(MatchGains, IntervalsEndWhereTheGainMovesByTheTolerance) {
   options.tolerance = 1e-5;
   const GainMatch match = match_gains(plant, start, K, MatrixXd(2, 0), options);
   ASSERT_EQ(match.status, GainMatchStatus::matched);
-  // Beside the best fit of the others' logarithms, by differences.
+  // Compared with the best fit over the logarithms of the others, by finite differences.
   const DiagonalLqr problem(plant, start);
   const MatrixXd size = K.cwiseAbs();
   MatrixXd scale(2, 4);
@@ -229,7 +230,7 @@ TEST(MatchGains, RecoversTheUquadsWeightsFromItsExactGain) {
 }
 
 // The published gain is an iterate of the Riccati recursion, which is the exact gain of other
-// weights: only that of the yaw's integral differs in more than the fourth digit.
+// weights: only the weight of the yaw integral differs in more than the fourth digit.
 TEST(MatchGains, FindsTheWeightsOfThePublishedUquadGains) {
   const ContinuousLti plant = testing::uquad_hover();
   LqrDesign start = uquad_problem();
@@ -244,7 +245,7 @@ TEST(MatchGains, FindsTheWeightsOfThePublishedUquadGains) {
   EXPECT_LT(match.after, 1e-7);  // the files have eight digits
 }
 
-/// Two plants that know nothing of one another, as a wrench's axes: a cart and a mass on a spring.
+/// Two decoupled plants, like the axes of a wrench: a cart and a mass on a spring.
 ContinuousLti two_plants() {
   ContinuousLti plant;
   plant.A = MatrixXd::Zero(4, 4);
@@ -258,7 +259,7 @@ ContinuousLti two_plants() {
   return plant;
 }
 
-TEST(MatchGains, NamesTheFactorThatPartsOfAPlantHideFromTheGain) {
+TEST(MatchGains, NamesTheUndeterminedFactorOfDecoupledPlants) {
   const ContinuousLti plant = two_plants();
   const LqrDesign start = ones(4, 2, {});
   VectorXd w(6);
@@ -269,7 +270,7 @@ TEST(MatchGains, NamesTheFactorThatPartsOfAPlantHideFromTheGain) {
   EXPECT_LT(match.after, 1e-9);
   EXPECT_THAT(match.unseen, ElementsAre("a factor common to Q(a) Q(va) R(fa), its inverse to Q(b) "
                                         "Q(vb) R(fb)"));
-  // Within each part the ratios are seen.
+  // Within each part the ratios are determined.
   const VectorXd found = values(match);
   EXPECT_NEAR(found(0) / found(4), 1.5, 1e-7);
   EXPECT_NEAR(found(3) / found(5), 70, 1e-5);
@@ -279,8 +280,8 @@ TEST(MatchGains, NamesTheFactorThatPartsOfAPlantHideFromTheGain) {
   }
 }
 
-// A state that nothing couples to the inputs' states: its weight has no gain to be seen in.
-TEST(MatchGains, MarksAWeightThatTheGainDoesNotSee) {
+// A state that is not coupled to the states of the inputs: its weight does not affect the gain.
+TEST(MatchGains, MarksAWeightThatTheGainDoesNotDetermine) {
   ContinuousLti plant = two_plants();
   plant.B(3, 1) = 0;
   plant.B(1, 1) = -0.3;
@@ -291,14 +292,15 @@ TEST(MatchGains, MarksAWeightThatTheGainDoesNotSee) {
   ASSERT_EQ(match.status, GainMatchStatus::matched);
   EXPECT_EQ(match.weights[2].verdict, WeightVerdict::not_seen);
   EXPECT_EQ(match.weights[3].verdict, WeightVerdict::not_seen);
-  EXPECT_EQ(match.weights[2].value, 1);  // as it came
+  EXPECT_EQ(match.weights[2].value, 1);  // as in the start
   EXPECT_TRUE(std::isinf(match.weights[2].high));
-  EXPECT_THAT(match.unseen, ::testing::UnorderedElementsAre("Q(b): the gain does not tell it",
-                                                            "Q(vb): the gain does not tell it"));
+  EXPECT_THAT(match.unseen,
+              ::testing::UnorderedElementsAre("Q(b): the gain does not determine it",
+                                              "Q(vb): the gain does not determine it"));
   EXPECT_EQ(match.weights[0].verdict, WeightVerdict::seen);
 }
 
-TEST(MatchGains, AWeightOfZeroIsFoundAsALimitAndKeptWhereItCame) {
+TEST(MatchGains, FindsAWeightOfZeroAndKeepsAGivenZero) {
   const ContinuousLti plant = two_plants();
   LqrDesign start = ones(4, 2, {});
   VectorXd w(6);
@@ -318,7 +320,7 @@ TEST(MatchGains, AWeightOfZeroIsFoundAsALimitAndKeptWhereItCame) {
   EXPECT_LT(kept.after, 1e-9);
 }
 
-TEST(MatchGains, TiedWeightsAreOne) {
+TEST(MatchGains, TiedWeightsAreEqual) {
   const ContinuousLti plant = testing::uquad_hover();
   const Published p = published();
   GainMatchOptions options;
@@ -331,8 +333,8 @@ TEST(MatchGains, TiedWeightsAreOne) {
   EXPECT_NEAR(match.weights[0].value, 100, 1e-2);
 }
 
-// A gain of the wrong sign drives the vehicle away.
-TEST(MatchGains, AGainThatDoesNotStabilizeIsRefused) {
+// A gain of the wrong sign makes the loop unstable.
+TEST(MatchGains, RejectsAGainThatDoesNotStabilize) {
   const ContinuousLti plant = testing::uquad_hover();
   const Published p = published();
   const GainMatch match = match_gains(plant, uquad_problem(), -p.K, p.K_int);
@@ -341,8 +343,8 @@ TEST(MatchGains, AGainThatDoesNotStabilizeIsRefused) {
   EXPECT_THAT(match.culprit, HasSubstr("the given gain's loop has a pole of modulus 1."));
 }
 
-// An integral that is not fed back stays where it is.
-TEST(MatchGains, AGainOnTheBorderOfStabilityIsRefused) {
+// An integral that is not fed back keeps its value.
+TEST(MatchGains, RejectsAGainAtTheStabilityLimit) {
   Published p = published();
   p.K_int.col(0).setZero();
   const GainMatch match = match_gains(testing::uquad_hover(), uquad_problem(), p.K, p.K_int);
@@ -361,7 +363,7 @@ TEST(MatchGains, TheSearchCanBeInterrupted) {
   EXPECT_LE(asked, 10);
 }
 
-TEST(MatchGains, RefusesWhatIsNoProblem) {
+TEST(MatchGains, RejectsInvalidProblems) {
   const ContinuousLti plant = two_plants();
   const LqrDesign start = ones(4, 2, {});
   const MatrixXd K = MatrixXd::Ones(2, 4), none(2, 0);
@@ -371,7 +373,7 @@ TEST(MatchGains, RefusesWhatIsNoProblem) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refuses(start, MatrixXd::Ones(2, 3), {}, "match_gains: K is 2x3, expected 2x4");
-  refuses(start, MatrixXd::Zero(2, 4), {}, "the gain is 0, expected one that feeds back");
+  refuses(start, MatrixXd::Zero(2, 4), {}, "the gain is 0; expected a nonzero gain");
   refuses(start, K * std::nan(""), {}, "has nan at (1,1)");
   LqrDesign bad = start;
   bad.R(1, 1) = 0;
@@ -381,15 +383,15 @@ TEST(MatchGains, RefusesWhatIsNoProblem) {
   refuses(bad, K, {}, "the weight of a is -1, expected 0 or more");
   bad = start;
   bad.Q(0, 1) = bad.Q(1, 0) = 0.1;
-  refuses(bad, K, {}, "Q has entries beside its diagonal");
+  refuses(bad, K, {}, "Q has entries off its diagonal");
   GainMatchOptions options;
   options.tolerance = 0;
   refuses(start, K, options, "the tolerance is 0, expected a positive number");
   options = {};
   options.ties = {{"a", "va"}, {"va", "b"}};
-  refuses(start, K, options, "'va' is tied twice");
+  refuses(start, K, options, "'va' is in more than one tie");
   options.ties = {{"a", "fa"}};
-  refuses(start, K, options, "'a' and 'fa' are tied, expected states or inputs");
+  refuses(start, K, options, "'a' and 'fa' are tied; expected only states or only inputs");
 }
 
 }  // namespace

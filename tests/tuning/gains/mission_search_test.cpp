@@ -59,10 +59,10 @@ TEST(PairedDifference, HasStudentsInterval) {
   EXPECT_NEAR(difference.high, 5.4675, 5e-4);
   EXPECT_THAT(
       [] { (void)paired_difference({1}, {2}); },
-      ThrowsMessage<InvalidInput>(HasSubstr("1 and 1 values, expected as many, 2 or more")));
+      ThrowsMessage<InvalidInput>(HasSubstr("1 and 1 values; expected equal numbers, 2 or more")));
 }
 
-TEST(PairedQuantileDifference, OfWhatIsShiftedIsTheShift) {
+TEST(PairedQuantileDifference, OfShiftedValuesIsTheShift) {
   std::mt19937_64 random(3);
   std::exponential_distribution<double> cost(1);
   std::vector<double> first(40), second;
@@ -72,21 +72,21 @@ TEST(PairedQuantileDifference, OfWhatIsShiftedIsTheShift) {
   EXPECT_NEAR(difference.value, -2, 1e-14);
   EXPECT_NEAR(difference.low, -2, 1e-14);
   EXPECT_NEAR(difference.high, -2, 1e-14);
-  EXPECT_EQ(least_draws(0.5), 4);
-  EXPECT_EQ(least_draws(0.9), 20);
-  EXPECT_EQ(least_draws(0.1), 20);
-  EXPECT_EQ(least_draws(0.99), 200);
-  EXPECT_EQ(least_draws(kLeastTail), 20000);
+  EXPECT_EQ(min_draws(0.5), 4);
+  EXPECT_EQ(min_draws(0.9), 20);
+  EXPECT_EQ(min_draws(0.1), 20);
+  EXPECT_EQ(min_draws(0.99), 200);
+  EXPECT_EQ(min_draws(kMinTail), 20000);
   first.resize(19);
   second.resize(19);
-  EXPECT_THAT(
-      [&] { (void)paired_quantile_difference(first, second, 0.9); },
-      ThrowsMessage<InvalidInput>(HasSubstr("19 and 19 values, expected as many, 20 or more")));
+  EXPECT_THAT([&] { (void)paired_quantile_difference(first, second, 0.9); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("19 and 19 values; expected equal numbers, 20 or more")));
 }
 
-// Costs e^(z/2) of which the second are 0.8 times as large, in pairs that have 0.81 of the variance
-// of z in common: the quantile's difference is -0.2 e^(z_q/2).
-TEST(PairedQuantileDifference, ItsIntervalHoldsTheTruth) {
+// Costs e^(z/2), the second 0.8 times as large, in pairs that share 0.81 of the variance of z: the
+// difference of the quantiles is -0.2 e^(z_q/2).
+TEST(PairedQuantileDifference, ItsIntervalContainsTheTrueValue) {
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   constexpr int kTimes = 300;
@@ -103,23 +103,23 @@ TEST(PairedQuantileDifference, ItsIntervalHoldsTheTruth) {
     held += static_cast<int>(difference.low <= truth && truth <= difference.high);
     too_good += static_cast<int>(difference.high < truth);
   }
-  // Of 300 with 95 % each no fewer than 273 hold it in all but one of a thousand tests; and what is
-  // called surely better is so in 97.5 %.
+  // Of 300 intervals with 95 % each, at least 273 contain the true value in 99.9 % of all tests;
+  // and what is called significantly better is so in 97.5 %.
   EXPECT_GE(held, 273);
   EXPECT_LE(too_good, 17);
 }
 
-TEST(MissionTrial, TheReferenceCostsOneOnTheMean) {
+TEST(MissionTrial, TheReferenceHasAMeanCostOfOne) {
   const CascadeController designed = testing::designed_mambo_cascade();
   const MissionTrial trial(request(), designed, 1);
   const TrialOutcome outcome = trial.fly(designed);
   ASSERT_EQ(outcome.costs.size(), 3);
   EXPECT_NEAR(outcome.cost, 1, 1e-12);
   EXPECT_EQ(outcome.failed, 0);
-  // Draws differ, and are the same again.
+  // Draws differ from each other and are reproducible.
   EXPECT_NE(outcome.costs[0], outcome.costs[1]);
   EXPECT_EQ(trial.fly(designed).costs, outcome.costs);
-  // A draw is the same in whatever company.
+  // A draw does not depend on the other draws.
   EXPECT_EQ(trial.fly(designed, 2, 1).costs[0], outcome.costs[2]);
 }
 
@@ -137,7 +137,7 @@ TEST(MissionTrial, MeasuresDraws) {
   EXPECT_EQ(MissionTrial(asked, designed, 1).fly(designed).cost, sorted[2]);
 }
 
-TEST(MissionTrial, WhatEndsEarlyCostsMuchAndKeepsNoLimit) {
+TEST(MissionTrial, AFlightThatEndsEarlyIsExpensiveAndExceedsAllLimits) {
   const CascadeController designed = testing::designed_mambo_cascade();
   const MissionTrial trial(request(), designed, 1);
   const TrialOutcome outcome = trial.fly(scaled("pitch", -1));
@@ -146,7 +146,7 @@ TEST(MissionTrial, WhatEndsEarlyCostsMuchAndKeepsNoLimit) {
   ASSERT_EQ(outcome.limits.size(), 1);
   EXPECT_EQ(outcome.limits[0].value, kInfinity);
   EXPECT_EQ(outcome.limits[0].excess(), 2);
-  EXPECT_FALSE(outcome.keeps_limits());
+  EXPECT_FALSE(outcome.satisfies_limits());
 }
 
 TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
@@ -158,21 +158,21 @@ TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
   EXPECT_NEAR(peak.excess(), 0.1 / 1.4, 1e-15);
   EXPECT_EQ((DesignLimit{"Ms", std::nan(""), 1.4, false}.excess()), 2);
   EXPECT_EQ((DesignLimit{"delay", kInfinity, 0.1, true}.excess()), -1);
-  // No Ms is below 1: 1.38 leaves a twentieth of the room of 1.4.
+  // No Ms is below 1: 1.38 leaves a twentieth of the distance to 1.4.
   EXPECT_NEAR((DesignLimit{"Ms", 1.38, 1.4, false, 1}.excess()), -0.05, 1e-15);
 }
 
-// A design to the limit itself, as by `quadtune pid --Ms-max`, keeps it.
-TEST(TrialLimit, RoundingBreaksNone) {
+// A design exactly at the limit, as by `quadtune pid --Ms-max`, satisfies it.
+TEST(TrialLimit, RoundingDoesNotExceedALimit) {
   TrialOutcome outcome;
   outcome.limits = {{"m", Metric::tilt_max, 0.5 + 1e-7, 0.5}};
-  EXPECT_TRUE(outcome.keeps_limits());
+  EXPECT_TRUE(outcome.satisfies_limits());
   outcome.limits[0].value = 0.501;
-  EXPECT_FALSE(outcome.keeps_limits());
+  EXPECT_FALSE(outcome.satisfies_limits());
 }
 
-// What is passed by far could once not be told from what is passed farther.
-TEST(TrialLimit, TheFartherAlwaysExceedsMore) {
+// Regression test: large violations of different sizes were indistinguishable.
+TEST(TrialLimit, ExcessIsMonotone) {
   double before = -2;
   for (const double share : {-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 5.0, 100.0}) {
     EXPECT_GT(excess_of(share), before) << share;
@@ -182,7 +182,7 @@ TEST(TrialLimit, TheFartherAlwaysExceedsMore) {
   EXPECT_EQ(excess_of(std::nan("")), excess_of(kInfinity));
 }
 
-TEST(MissionTrial, WhatOnlyTheReferenceHasIsNotFreeForOthers) {
+TEST(MissionTrial, AMissingMetricOfTheReferenceIsPenalized) {
   TrialRequest asked = request(2);
   asked.missions[0] = {"landing", short_step(), {}};
   asked.missions[0].setup.mission = load_mission("take-off-and-land");
@@ -208,7 +208,7 @@ TEST(MissionTrial, StopsWhenAsked) {
   EXPECT_THROW((void)trial.fly(designed, stop), Interrupted);
 }
 
-TEST(MissionTrial, RefusesWhatCannotBeTried) {
+TEST(MissionTrial, RejectsInvalidRequests) {
   const CascadeController designed = testing::designed_mambo_cascade();
   const auto refuses = [&](const TrialRequest& asked, const std::string& message) {
     EXPECT_THAT([&] { MissionTrial trial(asked, designed, 1); },
@@ -231,7 +231,7 @@ TEST(MissionTrial, RefusesWhatCannotBeTried) {
   refuses(asked, "the weight of energy is -1");
   asked = request();
   asked.cost = {{Metric::touchdown_speed, 1}};
-  refuses(asked, "the mission 'step' measures no figure of the cost in 4 s");
+  refuses(asked, "the mission 'step' yields no metric of the cost in 4 s");
   asked = request();
   asked.uncertainty.numbers = {{"vision_noise", {DistributionKind::normal, 1, 0.1}}};
   refuses(asked, "vision_noise");
@@ -271,7 +271,8 @@ TEST(MissionSearch, FindsBetterGainsAndProvesThem) {
   double before = kInfinity;
   int calls = 0;
   options.progress = [&](double best, int, double) {
-    EXPECT_LE(best, before * (1 + 1e-12) + 20);  // of points that keep the limits it only falls
+    // decreases monotonically among points that satisfy the limits
+    EXPECT_LE(best, before * (1 + 1e-12) + 20);
     before = best;
     ++calls;
   };
@@ -280,9 +281,9 @@ TEST(MissionSearch, FindsBetterGainsAndProvesThem) {
   EXPECT_TRUE(result.accepted) << result.reason;
   EXPECT_LT(result.difference.high, 0);
   EXPECT_LT(result.after.cost, result.before.cost);
-  EXPECT_LE(result.best(0), 0.5 + 1e-6);  // the limit is kept
+  EXPECT_LE(result.best(0), 0.5 + 1e-6);  // the limit is satisfied
   EXPECT_LE(result.evaluations, 120);
-  // The same again.
+  // Reproducible.
   options.progress = {};
   EXPECT_EQ(search_missions(sluggish, trial, options).best, result.best);
 }
@@ -308,7 +309,7 @@ TEST(MissionSearch, AQuantileIsProvedByItsOwnInterval) {
   options.proof_draws = 7;
   EXPECT_THAT([&] { (void)search_missions(sluggish, trial, options); },
               ThrowsMessage<InvalidInput>(HasSubstr(
-                  "7 fresh draws tell too little of the 0.75 quantile, expected at least 8")));
+                  "7 fresh draws are too few for the 0.75 quantile, expected at least 8")));
 }
 
 TEST(MissionSearch, ALimitBinds) {
@@ -326,9 +327,9 @@ TEST(MissionSearch, ALimitBinds) {
   const MissionSearchResult result = search_missions(bound, trial, options);
   EXPECT_TRUE(result.accepted) << result.reason;
   EXPECT_LE(result.best(0), -1 + 1e-6);
-  EXPECT_GT(result.best(0), -1.1);  // and reached, but for a share of 0.01
+  EXPECT_GT(result.best(0), -1.1);  // and reached up to a share of 0.01
   EXPECT_THAT(result.binding, ElementsAre("x within"));
-  // What the optimum would be with a bound that is looser by a tenth of its size.
+  // The optimum with a bound that is looser by a tenth of its size.
   ASSERT_EQ(result.buys.size(), 1U);
   Eigen::VectorXd looser = result.best;
   looser(0) += 0.1;
@@ -338,8 +339,8 @@ TEST(MissionSearch, ALimitBinds) {
   EXPECT_NEAR(result.buys[0], bought, 0.3 * bought);
 }
 
-// A limit that the start breaks is not free up to where the start was.
-TEST(MissionSearch, ALimitThatWasRepairedHasItsPrice) {
+// A limit that the start exceeds is penalized below the value of the start, too.
+TEST(MissionSearch, PricesALimitThatTheStartExceeds) {
   DesignSpace bound = space(-0.6);
   bound.point = [inner = bound.point](const Eigen::VectorXd& x) {
     DesignPoint point = inner(x);
@@ -362,8 +363,8 @@ TEST(MissionSearch, ALimitThatWasRepairedHasItsPrice) {
   EXPECT_NEAR(result.buys[0], bought, 0.2 * bought);
 }
 
-TEST(MissionSearch, ALimitThatBuysNothingIsSaidTo) {
-  // Of two limits that bind, one alone holds the cost.
+TEST(MissionSearch, ReportsABindingLimitWithoutEffectOnTheCost) {
+  // Of two binding limits, only one affects the cost.
   DesignSpace bound = space(-1.2);
   bound.point = [inner = bound.point](const Eigen::VectorXd& x) {
     DesignPoint point = inner(x);
@@ -382,8 +383,8 @@ TEST(MissionSearch, ALimitThatBuysNothingIsSaidTo) {
   EXPECT_LT(result.buys[1], 1e-6);
 }
 
-// Points that were nearer to the inside of limits once passed for better, whatever they cost.
-TEST(MissionSearch, ALimitThatTheStartIsAtPullsNothing) {
+// Regression test: points farther inside the limits were preferred whatever their cost.
+TEST(MissionSearch, ALimitAtTheStartDoesNotAttractTheSearch) {
   DesignSpace tight = space(-1.2);
   tight.point = [inner = tight.point](const Eigen::VectorXd& x) {
     DesignPoint point = inner(x);
@@ -401,8 +402,8 @@ TEST(MissionSearch, ALimitThatTheStartIsAtPullsNothing) {
   EXPECT_LE(result.after.cost, result.before.cost);
 }
 
-TEST(MissionSearch, WhatKeepsTheLimitsIsBetterThanWhatDoesNot) {
-  // The start passes a limit by far, and what keeps it costs more.
+TEST(MissionSearch, PrefersPointsThatSatisfyTheLimits) {
+  // The start exceeds a limit by far, and points that satisfy it cost more.
   DesignSpace passed = space(0);
   passed.point = [inner = passed.point](const Eigen::VectorXd& x) {
     DesignPoint point = inner(x);
@@ -417,9 +418,9 @@ TEST(MissionSearch, WhatKeepsTheLimitsIsBetterThanWhatDoesNot) {
   const MissionSearchResult result = search_missions(passed, trial, options);
   EXPECT_TRUE(result.accepted) << result.reason;
   EXPECT_LE(result.best(0), -0.9);
-  EXPECT_THAT(result.reason, HasSubstr("it keeps all limits, as the start does not"));
+  EXPECT_THAT(result.reason, HasSubstr("it satisfies all limits, and the start does not"));
   EXPECT_THAT(result.broken, ElementsAre());
-  // Where nothing can keep it, the result says so, and it is passed no farther.
+  // If no point can satisfy it, the result says so, and it is not exceeded by more.
   passed.reach = 0.3;
   const MissionSearchResult still = search_missions(passed, trial, options);
   EXPECT_LE(still.best(0), 0);
@@ -428,7 +429,7 @@ TEST(MissionSearch, WhatKeepsTheLimitsIsBetterThanWhatDoesNot) {
 }
 
 TEST(MissionSearch, NeverReturnsAnythingWorse) {
-  // All other points fly away.
+  // All other points are unstable.
   DesignSpace alone = space(0);
   alone.point = [inner = alone.point](const Eigen::VectorXd& x) {
     DesignPoint point = inner(x);
@@ -441,11 +442,11 @@ TEST(MissionSearch, NeverReturnsAnythingWorse) {
   const MissionSearchResult result = search_missions(alone, trial, options);
   EXPECT_FALSE(result.accepted);
   EXPECT_TRUE(result.best.isZero(0));
-  EXPECT_THAT(result.reason, HasSubstr("no point that keeps the limits costs less"));
+  EXPECT_THAT(result.reason, HasSubstr("no point that satisfies the limits costs less"));
 }
 
-TEST(MissionSearch, WhatIsGoodForItsOwnDrawsAloneIsNotAccepted) {
-  // Points are told apart by noise alone: a factor so near 1 that it changes nothing that counts.
+TEST(MissionSearch, RejectsAnImprovementOnItsOwnDrawsOnly) {
+  // Points differ by noise only: the factor is so close to 1 that it has no effect.
   DesignSpace still = space(0);
   still.reach = 1e-9;
   const MissionTrial trial(tracking(), *still.point(still.start).controller, 2);
@@ -471,7 +472,7 @@ TEST(MissionSearch, StopsWithTheBestFound) {
   EXPECT_LT(result.after.cost, result.before.cost);
 }
 
-TEST(MissionSearch, WhatIsNotProvedIsNotTaken) {
+TEST(MissionSearch, RejectsAPointWithoutProof) {
   const DesignSpace sluggish = space(-1.2);
   const MissionTrial trial(tracking(), *sluggish.point(sluggish.start).controller, 2);
   MissionSearchOptions options;
@@ -480,16 +481,16 @@ TEST(MissionSearch, WhatIsNotProvedIsNotTaken) {
   int tried = 0;
   const int all = search_missions(sluggish, trial, options).evaluations;
   options.progress = [&](double, int evaluations, double) { tried = evaluations; };
-  options.stop = [&] { return tried == all; };  // in the proof
+  options.stop = [&] { return tried == all; };  // during the proof
   const MissionSearchResult result = search_missions(sluggish, trial, options);
   EXPECT_EQ(result.end, SearchEnd::interrupted);
   EXPECT_FALSE(result.accepted);
   EXPECT_EQ(result.best, sluggish.start);
   EXPECT_NE(result.candidate, sluggish.start);
-  EXPECT_THAT(result.reason, HasSubstr("interrupted before what was found was proved"));
+  EXPECT_THAT(result.reason, HasSubstr("interrupted before the proof of the best point"));
 }
 
-TEST(MissionSearch, RefusesAStartWithoutAController) {
+TEST(MissionSearch, RejectsAStartWithoutAController) {
   DesignSpace none = space(0);
   none.point = [](const Eigen::VectorXd&) { return DesignPoint{}; };
   const MissionTrial trial(tracking(), testing::designed_mambo_cascade(), 1);

@@ -35,7 +35,7 @@ LqrDesign design_for(const Vehicle& vehicle, const std::vector<std::string>& int
   return design;
 }
 
-/// Some of everything: rest, lines, circles both ways, spins, climbs, loads, thin air.
+/// A variety of flights: rest, lines, circles in both directions, spins, climbs, loads, thin air.
 std::vector<ScheduleAxis> wide_grid() {
   return {{ScheduleQuantity::speed, {0, 1, 2.5}},
           {ScheduleQuantity::climb, {0, 0.5}},
@@ -44,7 +44,7 @@ std::vector<ScheduleAxis> wide_grid() {
           {ScheduleQuantity::density, {0.95, 1}}};
 }
 
-/// What `quadtune lqr` would find at one point.
+/// The result of `quadtune lqr` at one point.
 StateFeedback alone(const Vehicle& vehicle, const LqrDesign& design, const GainSchedule& schedule,
                     Eigen::Index index, Linearization& model) {
   const SchedulePoint point =
@@ -76,7 +76,7 @@ void expect_as_alone(const Vehicle& vehicle, const LqrDesign& design,
   }
 }
 
-TEST(GainScheduleSolver, EveryPointIsThatOfTheSingleSolve) {
+TEST(GainScheduleSolver, EveryPointEqualsASingleSolve) {
   const Vehicle vehicle = load_vehicle("uquad");
   const LqrDesign design = design_for(vehicle);
   const GainSchedule schedule = gain_schedule(vehicle, wide_grid(), design, {.yaw = 0.3});
@@ -86,7 +86,7 @@ TEST(GainScheduleSolver, EveryPointIsThatOfTheSingleSolve) {
   expect_as_alone(vehicle, design, schedule);
 }
 
-TEST(GainScheduleSolver, TakesIntegralsAndEveryMethod) {
+TEST(GainScheduleSolver, SupportsIntegralsAndEveryMethod) {
   const Vehicle vehicle = load_vehicle("mambo");
   const std::vector<ScheduleAxis> axes = {{ScheduleQuantity::speed, {0, 0.5, 1}},
                                           {ScheduleQuantity::yaw_rate, {-0.5, 0, 0.5}}};
@@ -105,7 +105,7 @@ bool same_bytes(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-// Two runs that are cut short, and points without a trim among them.
+// Two incomplete runs, with points without a trim among them.
 TEST(GainScheduleSolver, BytesDoNotDependOnTheThreads) {
   const Vehicle vehicle = load_vehicle("uquad");
   const LqrDesign design = design_for(vehicle, {"z"});
@@ -128,7 +128,7 @@ TEST(GainScheduleSolver, BytesDoNotDependOnTheThreads) {
   }
 }
 
-TEST(GainScheduleSolver, MarksWhatCannotBeFlown) {
+TEST(GainScheduleSolver, MarksPointsThatCannotBeFlown) {
   const Vehicle vehicle = load_vehicle("uquad");
   const GainSchedule schedule = gain_schedule(
       vehicle, {{ScheduleQuantity::speed, {1, 8}}, {ScheduleQuantity::yaw_rate, {0, 2}}},
@@ -144,8 +144,8 @@ TEST(GainScheduleSolver, MarksWhatCannotBeFlown) {
   EXPECT_TRUE(schedule.at(Eigen::Vector2d(5, 0)).found());
 }
 
-// The integral of a position whose weight is 0 is seen by no cost: a mode at 0 stays.
-TEST(GainScheduleSolver, MarksWhatHasNoGain) {
+// The integral of a position with weight 0 does not affect the cost: its mode at 0 remains.
+TEST(GainScheduleSolver, MarksPointsWithoutAGain) {
   const Vehicle vehicle = load_vehicle("uquad");
   LqrDesign design = design_for(vehicle, {"z"});
   design.Q_integral(0, 0) = 0;
@@ -169,7 +169,7 @@ TEST(GainScheduleSolver, ScalesTheMassAndNothingElse) {
   EXPECT_EQ(point.density_ratio, 1);
 }
 
-TEST(GainScheduleSolver, RefusesWhatNoPointCouldSolve) {
+TEST(GainScheduleSolver, RejectsUnsolvableDesigns) {
   const Vehicle vehicle = load_vehicle("uquad");
   const std::vector<ScheduleAxis> axes = {{ScheduleQuantity::speed, {0, 1, 2}}};
   LqrDesign design = design_for(vehicle);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The family of hovers must be what linearizing each of its vehicles gives.
+// The family of hovers must agree with the linearization of each of its vehicles.
 #include "quadtune/tuning/uncertain_vehicle.hpp"
 
 #include <gmock/gmock.h>
@@ -75,7 +75,8 @@ Vehicle changed(Vehicle vehicle, const VectorXd& p) {
   return vehicle;
 }
 
-/// By another way: trim, Jacobians, hold and delay of the changed vehicle, and the law around it.
+/// Independent computation: trim, Jacobians, hold and delay of the changed vehicle, and the law
+/// around it.
 double radius_of(const Vehicle& vehicle, const Gains& gains, double delay) {
   LinearizeOptions options;
   options.convention = gains.convention;
@@ -86,7 +87,7 @@ double radius_of(const Vehicle& vehicle, const Gains& gains, double delay) {
     const DiscreteLti loop = open_loop(discretize_zoh(model.plant, gains.dt), gains);
     return (loop.A - loop.B * loop.C).eigenvalues().cwiseAbs().maxCoeff();
   }
-  // open_loop() takes no delayed plant: its integrals and outputs are added to it here.
+  // open_loop() does not support a delayed plant: its integrals and outputs are added here.
   const DiscreteLti plant =
       discretize_zoh(model.plant, gains.dt, {VectorXd::Constant(model.plant.B.cols(), delay), {}});
   const DiscreteLti law = open_loop(discretize_zoh(model.plant, gains.dt), gains);
@@ -127,7 +128,8 @@ TEST(UncertainHover, IsTheLoopOfEveryVehicleOfTheBox) {
     for (int trial = 0; trial < 10; ++trial) {
       VectorXd p(6);
       for (int i = 0; i < 5; ++i) p(i) = trial == 0 ? 1 : uniform(random);
-      // Linearizing takes commanded thrusts for true ones; on board they come by the nominal curve.
+      // Linearization assumes that commanded thrusts are the true ones; on board they follow the
+      // nominal curve.
       if (c.kind == InputKind::rotor_thrust) p(4) = 1;
       p(5) = trial % 2 == 0 ? 0 : 0.03 * (uniform(random) - 0.85) / 0.3;
       const LoopPoint point = family.at(p);
@@ -143,7 +145,7 @@ TEST(UncertainHover, IsTheLoopOfEveryVehicleOfTheBox) {
   }
 }
 
-// A wrench is shared out by the nominal curves: all of it comes in the ratio of thrust.
+// A wrench is distributed by the nominal curves: all components scale with the ratio of thrust.
 TEST(UncertainHover, ScalesAWrenchByTheRatioOfThrust) {
   const Vehicle vehicle = load_vehicle("mambo");
   const Gains gains = gains_for(vehicle, "mambo", InputKind::wrench, 0.005);
@@ -155,28 +157,28 @@ TEST(UncertainHover, ScalesAWrenchByTheRatioOfThrust) {
           (VectorXd(4) << 1.08 / 0.95, 1.08 / 0.8, 1.08 / 1.1, 1.08 / 1.2).finished(), 1e-14));
 }
 
-// The numbers' bounds are met at corners: they are no wider than the box makes them.
+// The bounds are attained at corners of the box, so they are tight.
 TEST(UncertainHover, BoundsRotorSpeedsTightly) {
   const Vehicle vehicle = load_vehicle("uquad");
   const Gains gains = gains_for(vehicle, "uquad", InputKind::rotor_speed, 0.01);
   const LoopFamily family = uncertain_hover(vehicle, gains, {{0.8, 1.2}, {0.8, 1.2}, {0.9, 1.1}});
   const ParameterBox box = scaled_box(family, 1);
   const LoopBox bounds = family.over(box.low, box.high);
-  VectorXd least = VectorXd::Constant(4, 1e9);
-  VectorXd most = -least;
+  VectorXd min = VectorXd::Constant(4, 1e9);
+  VectorXd max = -min;
   for (int corner = 0; corner < 32; ++corner) {
     VectorXd p = box.low;
     for (int i = 0; i < 5; ++i)
       if ((corner >> i & 1) != 0) p(i) = box.high(i);
-    least = least.cwiseMin(family.at(p).numbers);
-    most = most.cwiseMax(family.at(p).numbers);
+    min = min.cwiseMin(family.at(p).numbers);
+    max = max.cwiseMax(family.at(p).numbers);
   }
-  EXPECT_THAT(bounds.low, testing::MatrixNear(least, 1e-12));
-  EXPECT_THAT(bounds.high, testing::MatrixNear(most, 1e-12));
+  EXPECT_THAT(bounds.low, testing::MatrixNear(min, 1e-12));
+  EXPECT_THAT(bounds.high, testing::MatrixNear(max, 1e-12));
 }
 
-// A motor's lag costs as much phase as its time constant says; a lag of almost nothing is none.
-TEST(UncertainHover, TakesTheMotorsLag) {
+// The lag of a motor reduces the phase as its time constant predicts; a tiny lag has no effect.
+TEST(UncertainHover, IncludesTheMotorLag) {
   const Vehicle vehicle = load_vehicle("uquad");
   const Gains gains = gains_for(vehicle, "uquad", InputKind::rotor_speed, 0.01);
   const auto radius = [&](double lag) {
@@ -195,8 +197,8 @@ TEST(UncertainHover, EndsWhereTheVehicleCannotHover) {
   const Gains gains = gains_for(vehicle, "uquad", InputKind::rotor_speed, 0.01);
   const LoopFamily family = uncertain_hover(vehicle, gains, {{0.9, 1.1}, {1, 1}, {0.9, 1.1}});
   // Thrust-to-weight 1.52: (1 + s/10)/(1 - s/10) = 1.52.
-  EXPECT_NEAR(family.greatest_scale, 10 * 0.52 / 2.52, 0.01);
-  EXPECT_THAT(family.greatest_scale_reason, HasSubstr("hover needs"));
+  EXPECT_NEAR(family.max_scale, 10 * 0.52 / 2.52, 0.01);
+  EXPECT_THAT(family.max_scale_reason, HasSubstr("hover needs"));
   EXPECT_EQ(cannot_hover(vehicle, 1, 1), "");
   EXPECT_THAT(cannot_hover(vehicle, 2, 1), HasSubstr("2 of the mass on 1 of the thrust"));
 }
@@ -211,8 +213,8 @@ std::string refusal(const Call& call) {
   return "nothing was refused";
 }
 
-// At the nominal numbers and with its commands late by as much as it believes, a law for rotors
-// with lag has the poles of its Riccati equation.
+// At the nominal parameters and with the delay that the law assumes, a law for lagging rotors has
+// the poles of its Riccati equation.
 TEST(UncertainHover, HasThePolesOfALawWithMemory) {
   Vehicle vehicle = load_vehicle("crazyflie");
   for (Rotor& rotor : vehicle.rotors) rotor.inertia = rotor.drag = rotor.inflow = 0;
@@ -248,14 +250,14 @@ TEST(UncertainHover, HasThePolesOfALawWithMemory) {
   EXPECT_LT(poles.cwiseAbs().maxCoeff(), 1);
 }
 
-TEST(UncertainHover, RefusesWhatItsModelDoesNotHold) {
+TEST(UncertainHover, RejectsUnsupportedVehicles) {
   const Vehicle uquad = load_vehicle("uquad");
   const Gains gains = gains_for(uquad, "uquad", InputKind::rotor_speed, 0.01);
   const auto with = [&](const VehicleUncertainty& u) {
     return refusal([&] { return uncertain_hover(uquad, gains, u); });
   };
   EXPECT_THAT(with({{1.1, 1.2}, {1, 1}, {1, 1}}),
-              HasSubstr("mass is 1.1 … 1.2, expected ratios about 1"));
+              HasSubstr("mass is 1.1 … 1.2, expected a range of positive ratios that contains 1"));
   EXPECT_THAT(with({{0, 1}, {1, 1}, {1, 1}}), HasSubstr("mass is 0 … 1"));
   EXPECT_THAT(with({{1, 1}, {1, 1}, {1, 1}, {0.2, 0.1}}), HasSubstr("delay is 0.2 … 0.1 s"));
   EXPECT_THAT(with({{1, 1}, {1, 1}, {1, 1}, {0, 0}, {0, 0.1}}), HasSubstr("lag is 0 … 0.1 s"));
@@ -265,14 +267,14 @@ TEST(UncertainHover, RefusesWhatItsModelDoesNotHold) {
     return refusal([&] { return uncertain_hover(vehicle, gains, {}); });
   };
   EXPECT_THAT(changed_is_refused([](Vehicle& v) { v.inertia(0, 1) = v.inertia(1, 0) = 1e-4; }),
-              HasSubstr("the inertia has products, expected principal axes"));
+              HasSubstr("the inertia matrix has off-diagonal entries, expected principal axes"));
   EXPECT_THAT(changed_is_refused([](Vehicle& v) { v.rotors[0].thrust_a2 *= 1.01; }),
               HasSubstr("the rotors have different curves"));
   EXPECT_THAT(changed_is_refused([](Vehicle& v) { v.mass *= 3; }), HasSubstr("hover"));
   Gains moving = gains;
   moving.x0(6) = 1;
   EXPECT_THAT(refusal([&] { return uncertain_hover(uquad, moving, {}); }),
-              HasSubstr("a flight that moves or leans, expected a hover"));
+              HasSubstr("a moving or tilted flight condition, expected a hover"));
   Gains continuous = gains;
   continuous.dt = 0;
   EXPECT_THAT(refusal([&] { return uncertain_hover(uquad, continuous, {}); }),

@@ -25,8 +25,8 @@ using ::testing::ThrowsMessage;
 using testing::walk_record;
 using testing::white_record;
 
-/// To as many significant digits as are published: a unit of the last one. In exact rational
-/// numbers the two Hadamard deviations that are furthest off are 70.806071 and 0.03910860560.
+/// Equal up to one unit of the last published digit. In exact rational arithmetic the two Hadamard
+/// deviations that differ most are 70.806071 and 0.03910860560.
 void expect_digits(double value, double published, int digits, const std::string& what) {
   const double unit = std::pow(10, std::floor(std::log10(published)) - digits + 1);
   EXPECT_NEAR(value, published, 1.0001 * unit) << what;
@@ -79,7 +79,7 @@ TEST(AllanDeviation, MeetsThePublishedThousandPoints) {
   }
 }
 
-// Every kind is blind to a constant rate, the three-sample ones to a ramp as well.
+// No kind depends on a constant rate, and the three-sample ones do not depend on a ramp either.
 TEST(AllanDeviation, IsBlindToAConstantRate) {
   std::mt19937_64 random(3);
   const Eigen::VectorXd rate = white_record(20000, 0.01, 1e-3, random);
@@ -121,16 +121,17 @@ TEST(AllanFactors, LeaveOneTermAtLeast) {
     }
 }
 
-TEST(AllanDeviation, RefusesWhatItCannotMean) {
+TEST(AllanDeviation, RejectsInvalidInput) {
   Eigen::VectorXd rate = Eigen::VectorXd::Ones(100);
   EXPECT_THAT([&] { (void)allan_deviation(rate, 0, {1}); },
               ThrowsMessage<InvalidInput>(HasSubstr("sample period is 0 s, expected a positive")));
-  EXPECT_THAT([&] { (void)allan_deviation(rate, 1, {51}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("means over 51 samples were asked of 100")));
+  EXPECT_THAT(
+      [&] { (void)allan_deviation(rate, 1, {51}); },
+      ThrowsMessage<InvalidInput>(HasSubstr("means over 51 samples were requested of 100")));
   EXPECT_THAT([&] { (void)analyse_allan(rate, 1); },
               ThrowsMessage<InvalidInput>(HasSubstr("expected noise")));
   EXPECT_THAT([&] { (void)analyse_allan(rate.head(20), 1); },
-              ThrowsMessage<InvalidInput>(HasSubstr("20 samples came, expected at least 64")));
+              ThrowsMessage<InvalidInput>(HasSubstr("there are 20 samples; expected at least 64")));
   rate(41) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT([&] { (void)allan_deviation(rate, 1, {1}); },
               ThrowsMessage<InvalidInput>(
@@ -138,15 +139,16 @@ TEST(AllanDeviation, RefusesWhatItCannotMean) {
                             "over a gap")));
 }
 
-/// Successes of `trials` that a chance of 0.95 gives but once in ten thousand times at each end.
+/// Range of successes in `trials` with probability 0.95 each that is left only once in ten thousand
+/// times at each end.
 void expect_coverage(int inside, int trials) {
   const double mean = 0.95 * trials, spread = std::sqrt(trials * 0.95 * 0.05);
   EXPECT_GE(inside, mean - 4 * spread) << inside << " of " << trials;
   EXPECT_LE(inside, trials);
 }
 
-// The equivalent degrees of freedom are those that seeded records show: 2 E² / var.
-TEST(AllanAnalysis, KnowsTheSpreadOfItsPoints) {
+// The equivalent degrees of freedom agree with those of seeded records: 2 E² / var.
+TEST(AllanAnalysis, EstimatesTheVarianceOfItsPoints) {
   constexpr int kRecords = 600;
   constexpr Eigen::Index kSamples = 512;
   struct Case {
@@ -177,7 +179,8 @@ TEST(AllanAnalysis, KnowsTheSpreadOfItsPoints) {
       const double seen = 2 * mean * mean / (sum.second / kRecords - mean * mean);
       std::vector<double>& told = edf[m];
       std::nth_element(told.begin(), told.begin() + kRecords / 2, told.end());
-      // A variance from 600 records is known to √(2/600) = 6 %, more of its heavy tail.
+      // The variance estimated from 600 records has an error of √(2/600) = 6 %, and more for a
+      // heavy-tailed distribution.
       EXPECT_NEAR(told[kRecords / 2] / seen, 1, 0.3) << c.name << " m " << m << " seen " << seen;
     }
   }
@@ -216,7 +219,7 @@ TEST(AllanAnalysis, FindsEachNoiseOfASumWithinItsInterval) {
   expect_coverage(inside_K, seen_K);
 }
 
-TEST(AllanAnalysis, SaysWhatIsNotInTheRecord) {
+TEST(AllanAnalysis, ReportsNoisesThatAreNotInTheRecord) {
   std::mt19937_64 random(9);
   int bounded = 0;
   for (int i = 0; i < 40; ++i) {
@@ -233,7 +236,7 @@ TEST(AllanAnalysis, SaysWhatIsNotInTheRecord) {
   EXPECT_GE(bounded, 36);
 }
 
-// 0.664 B, flat; and its floor lies where the curve is least.
+// 0.664 B, flat; the floor is the minimum of the curve.
 TEST(AllanAnalysis, ReadsTheFloorOfFlicker) {
   std::mt19937_64 random(13);
   int inside = 0;
@@ -247,7 +250,7 @@ TEST(AllanAnalysis, ReadsTheFloorOfFlicker) {
     EXPECT_NEAR(B, 0.5, 0.1);
     if (a.bias_instability.low <= 0.5 && 0.5 <= a.bias_instability.high) ++inside;
   }
-  EXPECT_GE(inside, 14);  // the least of a curve is a little too low
+  EXPECT_GE(inside, 14);  // the minimum of a curve is biased low
 }
 
 TEST(AllanAnalysis, SeesQuantization) {
@@ -263,8 +266,8 @@ TEST(AllanAnalysis, SeesQuantization) {
   expect_coverage(inside, 50);
 }
 
-// A low-pass filter takes the fast noise away; the density is read from where the slope is.
-TEST(AllanAnalysis, PassesOverWhatAFilterShapes) {
+// A low-pass filter removes fast noise; the density is estimated where the slope is right.
+TEST(AllanAnalysis, ExcludesOctavesThatAFilterShapes) {
   std::mt19937_64 random(19);
   Eigen::VectorXd rate = white_record(100000, 0.01, 0.02, random);
   for (Eigen::Index i = 1; i < rate.size(); ++i) rate(i) = 0.8 * rate(i - 1) + 0.2 * rate(i);
@@ -275,8 +278,8 @@ TEST(AllanAnalysis, PassesOverWhatAFilterShapes) {
   EXPECT_NEAR(a.noise_density.value, 0.02, 0.0015);
 }
 
-// A tone is none of the noises: the curve has its hump, and that is said.
-TEST(AllanAnalysis, SaysThatAToneIsNoNoise) {
+// A tone is not one of the noises: the curve has a hump, and the result says so.
+TEST(AllanAnalysis, RejectsATone) {
   std::mt19937_64 random(23);
   Eigen::VectorXd rate = white_record(65536, 0.01, 0.001, random);
   for (Eigen::Index i = 0; i < rate.size(); ++i)
@@ -284,11 +287,11 @@ TEST(AllanAnalysis, SaysThatAToneIsNoNoise) {
   const AllanAnalysis a = analyse_allan(rate, 0.01);
   EXPECT_FALSE(a.explained);
   EXPECT_FALSE(a.noise_density.seen || a.random_walk.seen || a.quantization.seen);
-  EXPECT_THAT(a.random_walk.reason, HasSubstr("the curve is not the sum of noises"));
+  EXPECT_THAT(a.random_walk.reason, HasSubstr("the curve is not a sum of noises"));
 }
 
-// A record that only wanders has no floor.
-TEST(AllanAnalysis, SaysThatARandomWalkHasNoFloor) {
+// A record of a random walk only has no floor.
+TEST(AllanAnalysis, ReportsThatARandomWalkHasNoFloor) {
   std::mt19937_64 random(29);
   const AllanAnalysis a = analyse_allan(walk_record(4096, 0.1, 0.3, random), 0.1);
   EXPECT_TRUE(a.random_walk.seen);
@@ -296,8 +299,9 @@ TEST(AllanAnalysis, SaysThatARandomWalkHasNoFloor) {
   EXPECT_THAT(a.bias_instability.reason, HasSubstr("rises from the first tau on"));
 }
 
-// The motors-off barometer is white to 1.6 s and known to half a metre; a flying gyroscope is not.
-TEST(AllanAnalysis, OfRealLogsTellsStillFromMoving) {
+// The barometer with motors off is white up to 1.6 s with half a metre; a gyroscope in flight is
+// not.
+TEST(AllanAnalysis, DistinguishesStationaryAndMovingLogs) {
   QUADTUNE_REQUIRE_DATA(data);
   std::ifstream still(data / "uquad2" / "log_test_IMU_3.txt");
   std::vector<double> height;

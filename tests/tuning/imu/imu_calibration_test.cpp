@@ -9,7 +9,7 @@
 
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {
@@ -24,19 +24,19 @@ using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
 using ::testing::ThrowsMessage;
 
-/// A short log for what is tried many times.
-MadeUpImuOptions short_log(std::uint64_t seed) {
+/// A short log for repeated tests.
+SimulatedImuOptions short_log(std::uint64_t seed) {
   return {.seed = seed, .poses = 30, .rate = 50, .still = 1.5, .start = 2, .turn = 0.8};
 }
 
-/// Biases at the truth's reference temperature.
+/// Biases at the reference temperature of the true values.
 Vector3d bias_at(const SensorCalibration& sensor, double temperature) {
   return sensor.b - sensor.d * (temperature - sensor.t0);
 }
 
 TEST(FindStill, FindsThePosesOfALog) {
-  const MadeUpImu made = make_up_imu();
-  const StillDetection still = find_still(made.log);
+  const SimulatedImu made = simulate_imu();
+  const StationaryDetection still = find_stationary(made.log);
   ASSERT_EQ(still.poses.size(), 36U);
   EXPECT_EQ(still.poses.front().begin, 0U);
   EXPECT_LE(still.poses.front().end, 600U);
@@ -52,55 +52,57 @@ TEST(FindStill, FindsThePosesOfALog) {
   EXPECT_NEAR(still.accelerometer_threshold, 2 * std::sqrt(3.0) * still.accelerometer_noise, 1e-12);
 }
 
-// A steady turn about the vertical has no variance in either sensor, but the gyroscope says so.
-TEST(FindStill, DoesNotTakeASteadyTurnForStill) {
-  MadeUpImu made = make_up_imu({.poses = 12});
+// A steady turn about the vertical has no variance in either sensor, but the gyroscope measures it.
+TEST(FindStill, ExcludesASteadyTurn) {
+  SimulatedImu made = simulate_imu({.poses = 12});
   made.log.gyroscope.middleCols(1000, 400).row(2).array() += 200;
   made.log.accelerometer.middleCols(1000, 400).colwise() = Vector3d(0, 0, 260);
-  for (const StillPose& pose : find_still(made.log).poses)
+  for (const StationaryPose& pose : find_stationary(made.log).poses)
     EXPECT_TRUE(pose.end <= 1000 || pose.begin >= 1400) << pose.begin << " … " << pose.end;
 }
 
-TEST(FindStill, RefusesLogsThatAreNone) {
-  ImuLog log = make_up_imu({.poses = 2}).log;
+TEST(FindStill, RejectsInvalidLogs) {
+  ImuLog log = simulate_imu({.poses = 2}).log;
   log.name = "a.txt";
   log.t(7) = log.t(6);
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("a.txt: the time of sample 8 is 0.06 s after 0.06 s, expected times")));
-  log = make_up_imu({.poses = 2}).log;
+  EXPECT_THAT(
+      [&] { (void)find_stationary(log); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "a.txt: the time of sample 8 is 0.06 s after 0.06 s; expected increasing times")));
+  log = simulate_imu({.poses = 2}).log;
   log.magnetometer(1, 20) = std::nan("");
   EXPECT_THAT(
-      [&] { (void)find_still(log); },
+      [&] { (void)find_stationary(log); },
       ThrowsMessage<InvalidInput>(HasSubstr("sample 21 of the magnetometer is not finite")));
   log.magnetometer.resize(3, 5);
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the magnetometer has 5 samples, expected")));
+  EXPECT_THAT([&] { (void)find_stationary(log); },
+              ThrowsMessage<InvalidInput>(HasSubstr("the magnetometer has 5 samples; expected")));
   log.accelerometer.resize(3, 0);
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer, expected one")));
-  log = make_up_imu({.poses = 2}).log;
+  EXPECT_THAT([&] { (void)find_stationary(log); },
+              ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer; it is required")));
+  log = simulate_imu({.poses = 2}).log;
   log.t *= 1e-20;
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s a sample")));
-  EXPECT_THAT([&] { (void)find_still(make_up_imu({.poses = 2}).log, {.factor = 1}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("a factor of more than 1")));
+  EXPECT_THAT(
+      [&] { (void)find_stationary(log); },
+      ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s per sample")));
+  EXPECT_THAT([&] { (void)find_stationary(simulate_imu({.poses = 2}).log, {.factor = 1}); },
+              ThrowsMessage<InvalidInput>(HasSubstr("a factor greater than 1")));
 }
 
 TEST(StartUpOffset, IsTheMeanOfTheFirst512Samples) {
-  const MadeUpImu made = make_up_imu({.poses = 12});
-  const StartUpOffset start = start_up_offset(made.log, find_still(made.log));
+  const SimulatedImu made = simulate_imu({.poses = 12});
+  const StartUpOffset start = start_up_offset(made.log, find_stationary(made.log));
   EXPECT_TRUE(start.still);
   EXPECT_THAT(start.offset, MatrixNear(made.log.gyroscope.leftCols(512).rowwise().mean(), 1e-12));
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(start.offset(i), made.gyroscope.b(i), 5 * start.error(i));
   EXPECT_NEAR(start.error(0), 1.2 / std::sqrt(512), 0.03);
-  const MadeUpImu moving = make_up_imu({.poses = 12, .start = 3});
-  EXPECT_FALSE(start_up_offset(moving.log, find_still(moving.log)).still);
+  const SimulatedImu moving = simulate_imu({.poses = 12, .start = 3});
+  EXPECT_FALSE(start_up_offset(moving.log, find_stationary(moving.log)).still);
 }
 
-// Without noise, rounding alone stands between the log and the truth.
+// Without noise, only rounding separates the result from the true values.
 TEST(CalibrateImu, RecoversAKnownSensor) {
-  const MadeUpImu made = make_up_imu({.noise = 0.3});
+  const SimulatedImu made = simulate_imu({.noise = 0.3});
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved()) << c.accelerometer.culprit;
   ASSERT_TRUE(c.gyroscope.solved()) << c.gyroscope.culprit;
@@ -121,14 +123,14 @@ TEST(CalibrateImu, RecoversAKnownSensor) {
   EXPECT_EQ(c.accelerometer.T(1, 0), 0);
   EXPECT_EQ(c.accelerometer.T(2, 0), 0);
   EXPECT_EQ(c.accelerometer.T(2, 1), 0);
-  // Level, it feels gravity along z.
+  // Level, it measures gravity along z.
   EXPECT_THAT(c.accelerometer.apply(c.poses.front().accelerometer, 0),
               MatrixNear(Vector3d(0, 0, 9.80665), 0.02));
 }
 
-// A gyroscope whose axes all count the other way.
+// A gyroscope whose axes all have the opposite sign.
 TEST(CalibrateImu, FindsAGyroscopeThatCountsBackwards) {
-  MadeUpImu made = make_up_imu();
+  SimulatedImu made = simulate_imu();
   made.log.gyroscope *= -1;
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.gyroscope.solved()) << c.gyroscope.culprit;
@@ -136,7 +138,7 @@ TEST(CalibrateImu, FindsAGyroscopeThatCountsBackwards) {
 }
 
 TEST(CalibrateImu, FitsTemperatureWhereTheLogSpansIt) {
-  const MadeUpImu made = make_up_imu({.warming = 12});
+  const SimulatedImu made = simulate_imu({.warming = 12});
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved() && c.gyroscope.solved());
   EXPECT_TRUE(c.accelerometer.with_temperature);
@@ -146,7 +148,7 @@ TEST(CalibrateImu, FitsTemperatureWhereTheLogSpansIt) {
   EXPECT_THAT(c.gyroscope.d, MatrixNear(made.gyroscope.d, 0.03));
   EXPECT_THAT(bias_at(c.gyroscope, made.t0), MatrixNear(made.gyroscope.b, 0.1));
   EXPECT_THAT(c.gyroscope.M, MatrixRelativelyNear(made.gyroscope.M, 1e-3));
-  const ImuCalibration cold = calibrate_imu({make_up_imu({.warming = 3}).log});
+  const ImuCalibration cold = calibrate_imu({simulate_imu({.warming = 3}).log});
   EXPECT_FALSE(cold.accelerometer.with_temperature);
   EXPECT_EQ(cold.gyroscope.d, Vector3d(Vector3d::Zero()));
 }
@@ -159,7 +161,8 @@ struct Count {
   }
 };
 
-void add_all(Count& count, const SensorCalibration& found, const MadeUpSensor& truth, double t0) {
+void add_all(Count& count, const SensorCalibration& found, const SimulatedSensor& truth,
+             double t0) {
   for (int i = 0; i < 3; ++i) {
     count.add(bias_at(found, t0)(i), found.b_error(i), found.quantile, truth.b(i));
     for (int j = 0; j < 3; ++j)
@@ -168,8 +171,9 @@ void add_all(Count& count, const SensorCalibration& found, const MadeUpSensor& t
   }
 }
 
-/// The share of 95 % intervals that hold. The numbers of one log are not independent, so the spread
-/// is taken of the logs: at worst all of a log's hold or none, here half of that.
+/// The share of 95 % intervals that contain the true value. The parameters of one log are not
+/// independent, so the spread is computed over logs: at worst all intervals of a log are right or
+/// wrong together; here half of that is assumed.
 void expect_imu_coverage(const Count& count, int logs, const char* what) {
   const double share = double(count.inside) / count.all;
   const double spread = std::sqrt(0.95 * 0.05 / logs);
@@ -177,12 +181,12 @@ void expect_imu_coverage(const Count& count, int logs, const char* what) {
   ::testing::Test::RecordProperty(what, std::to_string(share));
 }
 
-TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
+TEST(CalibrateImu, NinetyFivePercentOfIntervalsContainTheTrueValue) {
   constexpr int kLogs = testing::kSanitized ? 25 : 100;
   Count accelerometer, gyroscope, magnetometer;
   for (int i = 0; i < kLogs; ++i) {
-    const MadeUpImu made =
-        make_up_imu(short_log(std::uint64_t{100} + static_cast<std::uint64_t>(i)));
+    const SimulatedImu made =
+        simulate_imu(short_log(std::uint64_t{100} + static_cast<std::uint64_t>(i)));
     const ImuCalibration c = calibrate_imu({made.log});
     ASSERT_TRUE(c.accelerometer.solved()) << i << " " << c.accelerometer.culprit;
     ASSERT_TRUE(c.gyroscope.solved()) << i << " " << c.gyroscope.culprit;
@@ -196,14 +200,14 @@ TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
   expect_imu_coverage(magnetometer, kLogs, "magnetometer");
 }
 
-// A pose in which it leaned on something that shook, and a turn in which samples are missing.
+// A pose in which it touched something that vibrated, and a turn with missing samples.
 TEST(CalibrateImu, LeavesOutOutliers) {
-  MadeUpImu made = make_up_imu();
-  const StillPose pose = find_still(made.log).poses[20];
+  SimulatedImu made = simulate_imu();
+  const StationaryPose pose = find_stationary(made.log).poses[20];
   const auto begin = static_cast<Eigen::Index>(pose.begin),
              length = static_cast<Eigen::Index>(pose.end - pose.begin);
   made.log.accelerometer.middleCols(begin, length) *= 1.03;
-  const StillPose before = find_still(made.log).poses[8];
+  const StationaryPose before = find_stationary(made.log).poses[8];
   made.log.gyroscope.middleCols(static_cast<Eigen::Index>(before.end) + 60, 15).setZero();
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved() && c.gyroscope.solved());
@@ -213,46 +217,46 @@ TEST(CalibrateImu, LeavesOutOutliers) {
   EXPECT_THAT(c.gyroscope.M, MatrixRelativelyNear(made.gyroscope.M, 1e-3));
 }
 
-TEST(CalibrateImu, NamesWhatTooFewPosesLeaveOpen) {
-  const SensorCalibration c = calibrate_imu({make_up_imu({.poses = 5}).log}).accelerometer;
+TEST(CalibrateImu, NamesThePosesToAddToTooFew) {
+  const SensorCalibration c = calibrate_imu({simulate_imu({.poses = 5}).log}).accelerometer;
   EXPECT_EQ(c.status, CalibrationStatus::not_observable);
-  EXPECT_THAT(c.culprit, HasSubstr("5 poses came, expected at least 10"));
+  EXPECT_THAT(c.culprit, HasSubstr("5 poses; expected at least 10"));
   EXPECT_THAT(c.missing, Contains("x up"));
   EXPECT_THAT(c.missing, Contains("x down"));
   EXPECT_TRUE(c.M.hasNaN() && c.b.hasNaN());
 }
 
-// A log that never keeps still for long.
-TEST(CalibrateImu, NamesWhatNoPosesLeaveOpen) {
+// A log that is never stationary for long.
+TEST(CalibrateImu, NamesThePosesToAddToNone) {
   const ImuCalibration c =
-      calibrate_imu({make_up_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
+      calibrate_imu({simulate_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
   EXPECT_TRUE(c.poses.empty());
   for (const SensorCalibration* sensor : {&c.accelerometer, &c.magnetometer}) {
     EXPECT_EQ(sensor->status, CalibrationStatus::not_observable);
-    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses came, expected at least 10"));
+    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses; expected at least 10"));
     EXPECT_THAT(sensor->missing, Contains("x up"));
     EXPECT_TRUE(sensor->M.hasNaN() && sensor->refused.empty());
   }
   EXPECT_EQ(c.gyroscope.status, CalibrationStatus::not_observable);
 }
 
-// Turned about the vertical alone, all poses are one.
+// Rotated about the vertical only, all poses are equal.
 TEST(CalibrateImu, NamesThePosesThatAreMissing) {
-  const ImuCalibration c = calibrate_imu({make_up_imu({.upright = true}).log});
+  const ImuCalibration c = calibrate_imu({simulate_imu({.upright = true}).log});
   EXPECT_EQ(c.accelerometer.status, CalibrationStatus::not_observable);
   for (const char* unseen : {"scale x", "scale y", "bias x", "bias y"})
     EXPECT_THAT(c.accelerometer.unseen, Contains(unseen));
   for (const char* missing : {"x up", "x down", "y up", "y down"})
     EXPECT_THAT(c.accelerometer.missing, Contains(missing));
   EXPECT_FALSE(c.gyroscope.solved());
-  EXPECT_THAT(c.gyroscope.culprit, HasSubstr("without the accelerometer's calibration"));
+  EXPECT_THAT(c.gyroscope.culprit, HasSubstr("the accelerometer is not calibrated"));
 }
 
-// Gravity turns in the plane of y and z only: nothing is known of x.
+// Gravity turns in the plane of y and z only: nothing is known about x.
 TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
-  MadeUpImuOptions options;
+  SimulatedImuOptions options;
   options.poses = 5;  // turns about x
-  MadeUpImu made = make_up_imu(options);
+  SimulatedImu made = simulate_imu(options);
   ImuLog& log = made.log;
   const Eigen::Index n = log.t.size();
   ImuLog longer = log;
@@ -278,10 +282,10 @@ TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
   EXPECT_THAT(c.missing, Contains("x down"));
 }
 
-// Poses in plenty, but the log is cut where the sensor was turned about z.
+// Enough poses, but the log is cut where the sensor was turned about z.
 TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
-  const MadeUpImu made = make_up_imu();
-  const std::vector<StillPose> poses = find_still(made.log).poses;
+  const SimulatedImu made = simulate_imu();
+  const std::vector<StationaryPose> poses = find_stationary(made.log).poses;
   std::vector<ImuLog> logs;
   const auto cut = [&](std::size_t from, std::size_t to) {
     const auto begin = static_cast<Eigen::Index>(from),
@@ -305,19 +309,19 @@ TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
   EXPECT_THAT(c.missing, ElementsAre("a turn about z with z level"));
 }
 
-// Axes that are not the accelerometer's: no scale makes the turns match.
-TEST(CalibrateImu, RefusesAGyroscopeWithOtherAxes) {
-  MadeUpImu made = make_up_imu();
+// Axes that differ from those of the accelerometer: no scale makes the turns match.
+TEST(CalibrateImu, RejectsAGyroscopeWithOtherAxes) {
+  SimulatedImu made = simulate_imu();
   made.log.gyroscope.row(0).swap(made.log.gyroscope.row(1));
   const SensorCalibration c = calibrate_imu({made.log}).gyroscope;
-  if (c.solved())  // found as a matrix that swaps them back: right as well
+  if (c.solved())  // solved by a matrix that swaps them back, which is right as well
     EXPECT_NEAR(std::abs(c.M(0, 1)), made.gyroscope.M(0, 0), 1e-4);
   else
     EXPECT_THAT(c.culprit, HasSubstr("are its axes those of the accelerometer?"));
 }
 
-TEST(CalibrateImu, TakesSeveralLogsAsOne) {
-  const MadeUpImu made = make_up_imu();
+TEST(CalibrateImu, CombinesSeveralLogs) {
+  const SimulatedImu made = simulate_imu();
   const Eigen::Index half = 7000;
   ImuLog first = made.log, second = made.log;
   const auto take = [&](ImuLog& log, Eigen::Index begin, Eigen::Index length) {
@@ -337,15 +341,15 @@ TEST(CalibrateImu, TakesSeveralLogsAsOne) {
       [&] {
         (void)calibrate_imu({first, second});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("has not a gyroscope, expected one as in")));
+      ThrowsMessage<InvalidInput>(HasSubstr("does not have a gyroscope; expected one, as in")));
   EXPECT_THAT([&] { (void)calibrate_imu({}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no log came, expected at least one")));
+              ThrowsMessage<InvalidInput>(HasSubstr("there is no log; expected at least one")));
 }
 
-TEST(MadeUpImu, IsTheSameForTheSameSeed) {
-  EXPECT_EQ(make_up_imu({.seed = 4}).log.gyroscope, make_up_imu({.seed = 4}).log.gyroscope);
-  EXPECT_NE(make_up_imu({.seed = 4}).log.gyroscope, make_up_imu({.seed = 5}).log.gyroscope);
-  EXPECT_THAT([] { (void)make_up_imu({.poses = 1}); },
+TEST(SimulatedImu, IsTheSameForTheSameSeed) {
+  EXPECT_EQ(simulate_imu({.seed = 4}).log.gyroscope, simulate_imu({.seed = 4}).log.gyroscope);
+  EXPECT_NE(simulate_imu({.seed = 4}).log.gyroscope, simulate_imu({.seed = 5}).log.gyroscope);
+  EXPECT_THAT([] { (void)simulate_imu({.poses = 1}); },
               ThrowsMessage<InvalidInput>(HasSubstr("expected at least two poses")));
 }
 

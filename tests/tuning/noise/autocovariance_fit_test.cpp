@@ -69,7 +69,7 @@ FilterModel two_sensors() {
 }
 
 // P = (1 - m)² P + Q + m² R by hand.
-TEST(AutocovarianceFit, ItsTheoryIsTheLocalLevelsByHand) {
+TEST(AutocovarianceFit, ItsTheoryMatchesTheLocalLevelByHand) {
   const double Q = 3, R = 5, m = 0.3;
   const double P = (Q + m * m * R) / (1 - (1 - m) * (1 - m));
   const auto lags = innovation_autocovariances(testing::local_level(), 1, MatrixXd{{m}},
@@ -80,8 +80,8 @@ TEST(AutocovarianceFit, ItsTheoryIsTheLocalLevelsByHand) {
     EXPECT_NEAR(lags[j](0, 0), std::pow(1 - m, double(j) - 1) * ((1 - m) * P - m * R), 1e-12);
 }
 
-// The covariance of the error summed up over its past, noise by noise.
-TEST(AutocovarianceFit, ItsTheoryIsTheSumOverThePast) {
+// The covariance of the error as a sum over its past, noise by noise.
+TEST(AutocovarianceFit, ItsTheoryMatchesTheSumOverThePast) {
   std::mt19937_64 random(1);
   const FilterModel model = testing::random_model(random, 3, 0, false, true);
   const MatrixXd M = 0.1 * testing::uniform_matrix(3, 3, random);
@@ -112,8 +112,8 @@ TEST(AutocovarianceFit, ItsTheoryIsTheSumOverThePast) {
   }
 }
 
-// What comes from no sample but from the formula gives its θ back, whatever the gain.
-TEST(AutocovarianceFit, RecoversWhatExactAutocovariancesAreOf) {
+// Exact autocovariances, computed by the formula, give θ back, whatever the gain.
+TEST(AutocovarianceFit, RecoversThetaFromExactAutocovariances) {
   std::mt19937_64 random(2);
   for (const bool full : {false, true})
     for (const bool continuous : {false, true}) {
@@ -138,8 +138,8 @@ TEST(AutocovarianceFit, RecoversWhatExactAutocovariancesAreOf) {
   EXPECT_EQ(fit.degrees, 0);
 }
 
-// 200 logs of the literature's example: no bias, and errors of the size that is stated.
-TEST(AutocovarianceFit, FindsTheLiteraturesExampleWithinItsErrors) {
+// 200 logs of the example in the literature: no bias, and errors of the stated size.
+TEST(AutocovarianceFit, SolvesTheExampleOfTheLiteratureWithinItsErrors) {
   constexpr int kRuns = 200;
   std::mt19937_64 random(3);
   FilterModel model = three_states();
@@ -171,7 +171,7 @@ TEST(AutocovarianceFit, FindsTheLiteraturesExampleWithinItsErrors) {
   EXPECT_NEAR(misfit / degrees, 1, 4 * std::sqrt(2 / degrees));
 }
 
-// Two methods, one log: they differ by less than either is off.
+// Two methods, one log: they differ by less than the error of either.
 TEST(AutocovarianceFit, AgreesWithTheLikelihood) {
   std::mt19937_64 random(4);
   FilterModel continuous = testing::discrete_altitude();
@@ -199,8 +199,8 @@ TEST(AutocovarianceFit, AgreesWithTheLikelihood) {
   }
 }
 
-// Wherever the gain is from at first, in the end it is from what was found.
-TEST(AutocovarianceFit, ForgetsWhereItStarts) {
+// Whatever the initial gain, the last one is computed from the result.
+TEST(AutocovarianceFit, DoesNotDependOnTheStart) {
   std::mt19937_64 random(5);
   FilterModel model = testing::discrete_altitude();
   const FilterRecord record = testing::simulated(model, start_of(model), 6000, 0.005, random);
@@ -219,7 +219,7 @@ TEST(AutocovarianceFit, ForgetsWhereItStarts) {
 }
 
 // Height at every other instant of the input, a position far away, a gap, and a second log.
-TEST(AutocovarianceFit, TakesInputsBetweenMeasurementsGapsAndSeveralLogs) {
+TEST(AutocovarianceFit, SupportsInputsBetweenMeasurementsGapsAndSeveralLogs) {
   std::mt19937_64 random(6);
   FilterModel model = testing::discrete_altitude();
   const VectorXd truth = start_of(model);
@@ -246,8 +246,8 @@ TEST(AutocovarianceFit, TakesInputsBetweenMeasurementsGapsAndSeveralLogs) {
               likely.parameters[i].standard_error);
 }
 
-// A random walk that does not walk: none of it, and a bound.
-TEST(AutocovarianceFit, SaysWhenAVarianceIsZero) {
+// A random walk with zero variance: the estimate is zero, with an upper bound.
+TEST(AutocovarianceFit, ReportsAVarianceOfZero) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal(0, 3);
   FilterRecord record;
@@ -275,7 +275,7 @@ TEST(AutocovarianceFit, SaysWhenAVarianceIsZero) {
   EXPECT_LT(zeros, 20);
 }
 
-TEST(AutocovarianceFit, NamesWhatTheLogsDoNotSee) {
+TEST(AutocovarianceFit, NamesUndeterminedDirections) {
   std::mt19937_64 random(8);
   FilterModel silent = two_sensors();
   FilterRecord record = testing::simulated(silent, start_of(silent), 500, 1, random);
@@ -287,7 +287,7 @@ TEST(AutocovarianceFit, NamesWhatTheLogsDoNotSee) {
   EXPECT_THAT(fit.unseen, ElementsAre("R.gps: no measurement depends on it"));
   EXPECT_EQ(named(fit, "R.y").verdict, ParameterVerdict::seen);
 
-  // Two noises on one level: their sum is seen.
+  // Two noises on one level: their sum is determined.
   FilterModel twin = testing::local_level();
   twin.noises.push_back({"other", ""});
   twin.G = MatrixXd{{1, 1}};
@@ -299,14 +299,14 @@ TEST(AutocovarianceFit, NamesWhatTheLogsDoNotSee) {
   const FilterRecord both = testing::simulated(twin, start_of(twin), 2000, 1, random);
   const AutocovarianceFit sum = fit_autocovariances(twin, {both});
   ASSERT_TRUE(sum.solved()) << sum.culprit;
-  EXPECT_THAT(sum.unseen, ElementsAre("only the product of Q.level and Q.other is seen"));
+  EXPECT_THAT(sum.unseen, ElementsAre("only the product of Q.level and Q.other is determined"));
   EXPECT_EQ(named(sum, "Q.level").verdict, ParameterVerdict::combination);
   EXPECT_EQ(named(sum, "Q.other").verdict, ParameterVerdict::combination);
   EXPECT_TRUE(std::isnan(named(sum, "Q.other").standard_error));
   EXPECT_NEAR(named(sum, "Q.level").value + named(sum, "Q.other").value, 1000, 250);
 }
 
-TEST(AutocovarianceFit, LeavesWhatIsFixedAndWeighsPriors) {
+TEST(AutocovarianceFit, KeepsFixedParametersAndWeighsPriors) {
   std::mt19937_64 random(9);
   FilterModel model = testing::local_level();
   const FilterRecord record = testing::simulated(model, start_of(model), 2000, 1, random);
@@ -328,7 +328,7 @@ TEST(AutocovarianceFit, LeavesWhatIsFixedAndWeighsPriors) {
   EXPECT_NEAR(vague.theta(0), alone.theta(0), 0.01);
 }
 
-// The misfit's profile is what it is by brute force.
+// The profile of the misfit agrees with a brute-force computation.
 TEST(AutocovarianceFit, ProfilesTheMisfit) {
   std::mt19937_64 random(10);
   const FilterModel model = testing::local_level();
@@ -336,14 +336,14 @@ TEST(AutocovarianceFit, ProfilesTheMisfit) {
   const AutocovarianceFit plain = fit_autocovariances(model, {record});
   const AutocovarianceFit fit = fit_autocovariances(model, {record}, {.profile = true});
   ASSERT_TRUE(fit.solved());
-  // In its variance the misfit is a parabola: the interval's middle is the estimate.
+  // The misfit is a parabola in the variance: the centre of the interval is the estimate.
   const FittedParameter& Q = named(fit, "Q.level");
   EXPECT_NEAR(0.5 * (Q.low + Q.high), Q.value, 1e-3 * Q.value);
   EXPECT_NEAR(0.5 * (Q.high - Q.low), 1.959964 * Q.value * Q.standard_error, 1e-3 * Q.value);
   EXPECT_NEAR(std::log(named(plain, "Q.level").high / Q.value), 1.959964 * Q.standard_error, 1e-5);
 }
 
-TEST(AutocovarianceFit, SaysWhyALogHasNoUniformStretch) {
+TEST(AutocovarianceFit, ExplainsWhyALogHasNoUniformStretch) {
   std::mt19937_64 random(11);
   // Two sensors, the second at a fifth of the rate.
   FilterModel rates = two_sensors();
@@ -352,10 +352,13 @@ TEST(AutocovarianceFit, SaysWhyALogHasNoUniformStretch) {
     if (k % 5 != 0) record.y(1, k) = std::nan("");
   AutocovarianceFit fit = fit_autocovariances(rates, {record});
   EXPECT_EQ(fit.status, AutocovarianceStatus::no_uniform_stretch);
-  EXPECT_THAT(fit.culprit, StrEq("no stretch of one sample time with all measurements each time is "
-                                 "of 30 samples or more, as autocovariances need: all measurements "
-                                 "come together 200 times (y: y 1000 times, gps: position 200 "
-                                 "times)"));
+  EXPECT_THAT(
+      fit.culprit,
+      StrEq(
+          "no stretch with a constant sample time and all measurements at each "
+          "sample has the 30 samples or more that autocovariances require: all "
+          "outputs are measured at the same instant 200 times (y: y 1000 times, gps: position 200 "
+          "times)"));
   EXPECT_TRUE(std::isnan(fit.parameters[0].value));
   EXPECT_EQ(fit.theta, start_of(rates));
 
@@ -375,9 +378,9 @@ TEST(AutocovarianceFit, SaysWhyALogHasNoUniformStretch) {
   EXPECT_THAT(fit_autocovariances(level, {nothing}).culprit, HasSubstr("nothing is measured"));
 }
 
-TEST(AutocovarianceFit, NamesWhatItCannotCompute) {
+TEST(AutocovarianceFit, ExplainsUnsupportedModels) {
   std::mt19937_64 random(12);
-  // A walk that nothing measures.
+  // A random walk that is not measured.
   FilterModel blind = testing::local_level();
   blind.states.push_back({"bias", ""});
   blind.A = MatrixXd::Identity(2, 2);
@@ -395,8 +398,9 @@ TEST(AutocovarianceFit, NamesWhatItCannotCompute) {
   FilterModel tails = testing::local_level();
   tails.sensors[0].student = 4;
   const FilterRecord walk = testing::simulated(tails, start_of(tails), 500, 1, random);
-  EXPECT_THAT(fit_autocovariances(tails, {walk}).culprit,
-              StrEq("errors of y have Student's distribution, autocovariances take normal ones"));
+  EXPECT_THAT(
+      fit_autocovariances(tails, {walk}).culprit,
+      StrEq("errors of y have Student's distribution; autocovariances require normal errors"));
   const NoiseFit refused =
       as_noise_fit(fit_autocovariances(tails, {walk}), InnovationLikelihood(tails, {walk}));
   EXPECT_EQ(refused.status, NoiseFitStatus::not_computed);
@@ -418,7 +422,7 @@ TEST(AutocovarianceFit, NamesWhatItCannotCompute) {
               HasSubstr("y: y is constant over the fitted part: all 100 measurements are 0, "));
 }
 
-TEST(AutocovarianceFit, RefusesBadOptionsAndShapes) {
+TEST(AutocovarianceFit, RejectsBadOptionsAndShapes) {
   const FilterModel level = testing::local_level();
   const auto refused = [](auto&& call, const std::string& message) {
     EXPECT_THAT(call, ThrowsMessage<InvalidInput>(StrEq(message)));
@@ -426,7 +430,7 @@ TEST(AutocovarianceFit, RefusesBadOptionsAndShapes) {
   std::mt19937_64 random(13);
   const FilterRecord record = testing::simulated(level, start_of(level), 100, 1, random);
   refused([&] { (void)fit_autocovariances(level, std::vector<FilterRecord>{}); },
-          "logs: none came, expected at least one");
+          "logs: there are none; expected at least one");
   refused([&] { (void)fit_autocovariances(level, {record}, {.lags = 0}); },
           "autocovariances: lags is 0, expected at least 1");
   refused([&] { (void)fit_autocovariances(level, {record}, {.passes = 0}); },
@@ -439,11 +443,11 @@ TEST(AutocovarianceFit, RefusesBadOptionsAndShapes) {
   refused(fit, "autocovariances: F (I - M C) has a pole at radius 1.5, expected less than 1");
   given.M(0, 0) = 0.5;
   given.pairs = {0};
-  refused(fit, "autocovariances: lag 0 is of 0 pairs, expected more");
+  refused(fit, "autocovariances: lag 0 has 0 pairs; expected a positive number");
   given.pairs = {};
   refused(fit,
-          "autocovariances: 1 lags and 0 counts of pairs came, expected one count a lag and lag 0 "
-          "at least");
+          "autocovariances: 1 lags and 0 counts of pairs; expected one count per lag and at "
+          "least lag 0");
   given.dt = 0.5;
   refused(fit, "autocovariances: the period is 0.5 s, expected a multiple of the model's 1 s");
   given.dt = -1;

@@ -32,16 +32,17 @@ Consistency of_fit(const FilterModel& model, const std::vector<FilterRecord>& re
   return check_consistency(model, runs);
 }
 
-/// A vehicle that bobs: height measured, vertical acceleration known with white noise.
+/// A vehicle that oscillates vertically: measured height, and vertical acceleration with white
+/// noise.
 struct Bobbing {
   int samples = 4000;
   double dt = 0.02;
-  double vigour = 1;     ///< of its motion
+  double vigour = 1;     ///< intensity of its motion
   int delay = 0;         ///< of the measurement, in samples
   double smoothing = 0;  ///< share of the measurement before that is kept
   double colour = 0;     ///< correlation of the measurement's noise from sample to sample
   double offset = 0;     ///< of the acceleration [m/s²]
-  double clock = 1;      ///< how fast it runs
+  double clock = 1;      ///< rate of the clock
   unsigned seed = 1;
 
   [[nodiscard]] FilterRecord record() const {
@@ -71,7 +72,7 @@ struct Bobbing {
   }
 };
 
-TEST(Consistency, BelievesWhatTheModelMade) {
+TEST(Consistency, PassesDataFromTheModel) {
   const FilterModel model = load_filter_model("altitude");
   int passed = 0;
   for (unsigned seed = 1; seed <= 50; ++seed) {
@@ -81,14 +82,14 @@ TEST(Consistency, BelievesWhatTheModelMade) {
     ASSERT_EQ(c.outputs.size(), 1u);
     EXPECT_EQ(c.outputs[0].output, "sonar: height");
     EXPECT_EQ(c.outputs[0].samples, 3998);
-    EXPECT_NEAR(c.outputs[0].size, 1, 0.01);  // the fit sees to it
+    EXPECT_NEAR(c.outputs[0].size, 1, 0.01);  // ensured by the fit
     EXPECT_TRUE(c.reasons.empty());
     EXPECT_EQ(c.checks.size(), 4u);
   }
   EXPECT_GE(passed, 49);
 }
 
-TEST(Consistency, NoticesWhatIsNotRawOrNotModelled) {
+TEST(Consistency, DetectsFilteredOrUnmodelledData) {
   const FilterModel model = load_filter_model("altitude");
   const auto reasons = [&](const Bobbing& log) {
     const Consistency c = of_fit(model, {log.record()});
@@ -101,20 +102,20 @@ TEST(Consistency, NoticesWhatIsNotRawOrNotModelled) {
   EXPECT_THAT(reasons({.vigour = 20, .delay = 2}), coloured);
   EXPECT_THAT(reasons({.clock = 2}), coloured);
   EXPECT_THAT(reasons({.offset = 1}),
-              Contains(HasSubstr("an offset that the model does not know")));
+              Contains(HasSubstr("an offset that the model does not contain")));
 }
 
-TEST(Consistency, SaysWhenALogIsTooShort) {
+TEST(Consistency, ReportsALogThatIsTooShort) {
   const FilterModel model = load_filter_model("altitude");
   const Consistency c = of_fit(model, {Bobbing{.samples = 60}.record()});
   EXPECT_EQ(c.verdict, CheckVerdict::too_short);
-  EXPECT_THAT(c.reasons, Contains("sonar: height: 58 innovations, too few to tell"));
+  EXPECT_THAT(c.reasons, Contains("sonar: height: 58 innovations, too few for a verdict"));
   const Consistency some = of_fit(model, {Bobbing{.samples = 200}.record()});
   EXPECT_EQ(some.verdict, CheckVerdict::too_short);
-  EXPECT_THAT(some.reasons, Contains(HasSubstr("cannot tell a correlation of 0.1 from none")));
+  EXPECT_THAT(some.reasons, Contains(HasSubstr("do not distinguish a correlation of 0.1 from 0")));
 }
 
-TEST(Consistency, SeesCovariancesThatAreWrong) {
+TEST(Consistency, DetectsWrongCovariances) {
   const FilterModel model = load_filter_model("altitude");
   const FilterRecord record = Bobbing{}.record();
   const InnovationLikelihood likelihood(model, {record});
@@ -124,22 +125,22 @@ TEST(Consistency, SeesCovariancesThatAreWrong) {
     const Consistency c = check_consistency(model, {likelihood.run(0, theta)});
     EXPECT_EQ(c.verdict, CheckVerdict::fail);
     EXPECT_NEAR(c.outputs[0].size, 1 / factor, 0.02);
-    EXPECT_THAT(c.reasons, Contains(HasSubstr(factor < 1 ? "the filter trusts itself too much"
-                                                         : "the filter trusts itself too little")));
+    EXPECT_THAT(c.reasons, Contains(HasSubstr(factor < 1 ? "the filter is overconfident"
+                                                         : "the filter is underconfident")));
   }
 }
 
-// One wild echo in fifty.
-TEST(Consistency, SeesOutliers) {
+// One outlier in fifty samples.
+TEST(Consistency, DetectsOutliers) {
   FilterRecord record = Bobbing{}.record();
   for (Index k = 25; k < record.samples(); k += 50) record.y(0, k) += 2;
   const Consistency c = of_fit(load_filter_model("altitude"), {record});
   EXPECT_EQ(c.verdict, CheckVerdict::fail);
-  EXPECT_THAT(c.reasons, Contains(HasSubstr("as outliers make")));
+  EXPECT_THAT(c.reasons, Contains(HasSubstr("as caused by outliers")));
 }
 
-// Its numbers are those of their definitions, on innovations made by hand.
-TEST(Consistency, ComputesWhatItSays) {
+// The results agree with their definitions, on synthetic innovations.
+TEST(Consistency, StatisticsMatchTheirDefinitions) {
   const FilterModel model = testing::local_level();
   FilterRun run;
   run.status = LikelihoodStatus::computed;
@@ -162,15 +163,15 @@ TEST(Consistency, ComputesWhatItSays) {
   EXPECT_EQ(c.verdict, CheckVerdict::fail);
 }
 
-TEST(Consistency, RefusesWhatIsNotComputed) {
+TEST(Consistency, RejectsARunThatWasNotComputed) {
   EXPECT_THAT([] { (void)check_consistency(testing::local_level(), {FilterRun{}}); },
               ThrowsMessage<InvalidInput>(
-                  StrEq("consistency: a run came that was not computed, expected innovations")));
+                  StrEq("consistency: a run was not computed; expected innovations")));
   EXPECT_THAT([] { (void)check_consistency(testing::local_level(), {}, {.lags = 0}); },
               ThrowsMessage<InvalidInput>(StrEq("consistency: lags is 0, expected at least 1")));
 }
 
-/// A run of a local level whose standardized innovations are these.
+/// A run of a local level with these standardized innovations.
 Consistency of_innovations(const std::vector<double>& z) {
   FilterRun run;
   run.status = LikelihoodStatus::computed;
@@ -188,15 +189,15 @@ std::vector<double> normal_numbers(std::size_t count, unsigned seed) {
   return z;
 }
 
-// Each flaw that is large and significant fails, however few the innovations are, and comes first.
-TEST(FewInnovations, FailWhereAFlawIsPlain) {
+// Each large and significant deviation fails, however few the innovations are, and is listed first.
+TEST(FewInnovations, FailIfADeviationIsLarge) {
   std::vector<double> alternating = normal_numbers(40, 3);
   for (std::size_t k = 0; k < 40; ++k)
     alternating[k] = (k % 2 == 0 ? 1 : -1) + 0.2 * alternating[k];
   const Consistency correlated = of_innovations(alternating);
   EXPECT_EQ(correlated.verdict, CheckVerdict::fail);
   EXPECT_THAT(correlated.reasons.front(), HasSubstr("innovations are not white: correlation -0.9"));
-  EXPECT_THAT(correlated.reasons, Contains("y: y: 40 innovations, too few to tell"));
+  EXPECT_THAT(correlated.reasons, Contains("y: y: 40 innovations, too few for a verdict"));
 
   std::vector<double> wild = normal_numbers(70, 4);
   wild[30] = 30;
@@ -211,13 +212,12 @@ TEST(FewInnovations, FailWhereAFlawIsPlain) {
 
   std::vector<double> large = normal_numbers(10, 6);
   for (double& value : large) value *= 5;
-  EXPECT_THAT(of_innovations(large).reasons.front(),
-              HasSubstr("the filter trusts itself too much"));
+  EXPECT_THAT(of_innovations(large).reasons.front(), HasSubstr("the filter is overconfident"));
   EXPECT_EQ(of_innovations({9}).verdict, CheckVerdict::fail);
 }
 
-// Of what the model made, one in a thousand by all checks together; and none is said to be right.
-TEST(FewInnovations, SeldomFailWithoutAFlaw) {
+// For data from the model one in a thousand fails, over all checks together; and none passes.
+TEST(FewInnovations, RarelyFailWithTheRightModel) {
   for (const std::size_t count : {2, 7, 12, 30, 99}) {
     int failed = 0;
     for (unsigned seed = 0; seed < 3000; ++seed) {
@@ -229,11 +229,12 @@ TEST(FewInnovations, SeldomFailWithoutAFlaw) {
   }
 }
 
-// Numbers that are no innovations are told, and none of them is given to what throws.
-TEST(Consistency, BearsNumbersThatAreNone) {
+// Values that are not innovations are reported, and none of them is passed to a function that
+// throws.
+TEST(Consistency, SupportsInvalidNumbers) {
   const double huge = 1e200, none = std::numeric_limits<double>::denorm_min();
   EXPECT_THAT(of_innovations(std::vector<double>(200, 0)).reasons.front(),
-              HasSubstr("innovations are 0 times as large as their variance says"));
+              HasSubstr("innovations are 0 times as large as their variance implies"));
   for (const double value : {huge, none, 1.0, -1.0})
     EXPECT_EQ(of_innovations(std::vector<double>(200, value)).verdict, CheckVerdict::fail) << value;
   std::vector<double> one(200, 0);

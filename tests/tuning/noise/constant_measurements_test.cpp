@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using internal::constant_measurement;
 using ::testing::HasSubstr;
 
-/// So many instants every 0.01 s; inputs 0.
+/// This many instants every 0.01 s; inputs 0.
 FilterRecord still(const FilterModel& model, Index samples, double value) {
   FilterRecord record{"made up",
                       {},
@@ -35,11 +35,12 @@ TEST(ConstantMeasurements, AreNamed) {
   record.y(0, 50) = 2.1;
   record.y(1, 3) = std::nan("");
   EXPECT_EQ(constant_measurement(model, {record}),
-            "flow: flow_vy is constant over the fitted part: all 99 measurements are 2 m/s, "
-            "expected ones that change because their noise is to be found from them");
+            "flow: flow_vy is constant over the fitted part: all 99 measurements are 2 m/s; "
+            "expected varying ones, because their noise is estimated from them");
   record.y(1, 99) = 2 + 1e-15;
   EXPECT_EQ(constant_measurement(model, {record}), "");
-  // It is enough that another stretch has another value; one measurement alone is no constant.
+  // It suffices that another stretch has another value; a single measurement does not count as
+  // constant.
   FilterRecord other = still(model, 100, 2);
   EXPECT_NE(constant_measurement(model, {other}), "");
   EXPECT_EQ(constant_measurement(model, {other, still(model, 100, 3)}), "");
@@ -47,8 +48,8 @@ TEST(ConstantMeasurements, AreNamed) {
   EXPECT_EQ(constant_measurement(model, {other}), "");
 }
 
-// A variance that something else than the measurements keeps from zero is none to be refused.
-TEST(ConstantMeasurements, AreFineWhereTheirVarianceIsKnown) {
+// A variance that is bounded away from zero independently of the measurements is not rejected.
+TEST(ConstantMeasurements, AreAcceptedIfTheirVarianceIsKnown) {
   FilterModel model = load_filter_model("constant-velocity");
   const FilterRecord record = still(model, 100, 2);
   EXPECT_NE(constant_measurement(model, {record}), "");
@@ -62,8 +63,8 @@ TEST(ConstantMeasurements, AreFineWhereTheirVarianceIsKnown) {
   EXPECT_EQ(constant_measurement(model, {record}), "");
 }
 
-// By each way in, of linear and of nonlinear models.
-TEST(ConstantMeasurements, AreRefusedByEveryFit) {
+// Through each entry point, for linear and nonlinear models.
+TEST(ConstantMeasurements, AreRejectedByEveryFit) {
   const FilterModel model = load_filter_model("constant-velocity");
   const FilterRecord record = still(model, 100, 2);
   const auto says = HasSubstr("position is constant over the fitted part");
@@ -89,7 +90,7 @@ TEST(ConstantMeasurements, AreRefusedByEveryFit) {
   }
 }
 
-// A straight line is what the model makes without any noise.
+// A straight line is what the model predicts without noise.
 TEST(ExactMeasurements, AreNamed) {
   const FilterModel model = load_filter_model("constant-velocity");
   FilterRecord record = still(model, 400, 2);
@@ -99,7 +100,7 @@ TEST(ExactMeasurements, AreNamed) {
   EXPECT_THAT(tuning.fit.culprit, HasSubstr("position: the model predicts all "));
 }
 
-TEST(HangingMeasurements, AreNamed) {
+TEST(HangingMeasurements, AreReported) {
   const FilterModel model = load_filter_model("constant-velocity");
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -109,13 +110,13 @@ TEST(HangingMeasurements, AreNamed) {
   FilterRecord stuck = record;
   stuck.y.rightCols(400).setConstant(2.5);
   EXPECT_THAT(internal::hanging_measurements(model, {stuck}),
-              ::testing::ElementsAre("position: position is 2.5 m in 400 of 1000 measurements, one "
-                                     "after the other from 6 s to 9.99 s: a sensor that hangs, or "
-                                     "that rests and is read in steps larger than its noise"));
-  // Whom it concerns is told by a tuning; it is for a person to judge.
+              ::testing::ElementsAre("position: position is 2.5 m in 400 of 1000 measurements, "
+                                     "consecutively from 6 s to 9.99 s: the sensor is stuck, or "
+                                     "stationary with a resolution coarser than its noise"));
+  // A tuning reports it as a warning, for a person to assess.
   const NoiseTuning tuning = tune_noise(model, {stuck});
   EXPECT_EQ(tuning.warnings.front(), internal::hanging_measurements(model, {stuck}).front());
-  // Few steps repeat themselves by chance.
+  // With few quantization steps values repeat by chance.
   FilterRecord coarse = record;
   for (Index k = 0; k < 1000; ++k) coarse.y(0, k) = std::round(4 * coarse.y(0, k)) / 4;
   EXPECT_THAT(internal::hanging_measurements(model, {coarse}), ::testing::IsEmpty());

@@ -35,7 +35,7 @@ void fix(FilterModel& model, const char* name, double variance) {
   p.start = variance;
 }
 
-/// The built-in model, of position only.
+/// The built-in model, with position only.
 FilterModel aided_by_position() {
   FilterModel model = load_filter_model("inertial");
   fix(model, "R.velocity", 1);
@@ -43,7 +43,7 @@ FilterModel aided_by_position() {
   return model;
 }
 
-/// A flight along a knot, turning all the time, that faces away from north at the start.
+/// A flight along a knot with continuous rotation, whose initial heading is not north.
 struct Flight {
   Vector3d position(double t) const {
     return {3 * std::sin(0.9 * t), 2 * std::sin(1.3 * t + 1), 1 + 0.7 * std::cos(1.1 * t)};
@@ -64,7 +64,7 @@ struct Flight {
   }
 };
 
-/// What an inertial sensor with these noises logs of it at 100 Hz, and positions at 10 Hz.
+/// The log of an inertial sensor with these noises at 100 Hz, and positions at 10 Hz.
 FilterRecord flown(const FilterModel& model, double seconds, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -116,7 +116,7 @@ TEST(InertialFilter, HasInnovationsOfItsOwnSize) {
   const InnovationLikelihood likelihood(model, logs.records);
   const FilterRun run = likelihood.run(0, start_of(model));
   ASSERT_EQ(run.status, LikelihoodStatus::computed);
-  // The direction that it faced is found in the first seconds.
+  // The initial heading is estimated in the first seconds.
   const auto late = [](const MatrixXd& M) { return M.topRows(3).rightCols(M.cols() - 100); };
   const double size = (late(run.innovation).array().square() / late(run.variance).array()).mean();
   EXPECT_NEAR(size, 1, 4 * std::sqrt(2.0 / static_cast<double>(late(run.variance).size())));
@@ -135,15 +135,15 @@ TEST(InertialFilter, FollowsTheVehicle) {
               MatrixNear(Vector3d(0.02, -0.05, 0.01), 0.03));
 }
 
-// The same flight, its world and its body turned about x by half a turn, as north-east-down and
-// forward-right-down are from z up.
+// The same flight with world and body rotated about x by half a turn, as north-east-down and
+// forward-right-down relative to z up.
 TEST(InertialFilter, WithZDownIsTheSameFilter) {
   const FilterModel up = known_noise();
   FilterModel down = load_filter_model("inertial-ned");
   EXPECT_EQ(*down.gravity, -*up.gravity);
   down.parameters = up.parameters;
   FilterRecord record = flown(up, 30, 4);
-  // The height of the last sensor is up in both.
+  // The height of the last sensor is positive upwards in both.
   for (Index k = 0; k < record.samples(); k += 50) record.y(6, k) = record.y(2, k);
   FilterRecord turned = record;
   for (const Index row : {1, 2, 4, 5}) turned.y.row(row) *= -1;
@@ -199,7 +199,7 @@ ChannelUse use(const std::string& signal, LogChannels& channels, std::size_t i,
   return {signal, series};
 }
 
-/// The records up to so many seconds after the first instant.
+/// The records up to this many seconds after the first instant.
 std::vector<FilterRecord> until(std::vector<FilterRecord> records, double seconds) {
   FilterRecord& record = records[0];
   const auto end =
@@ -211,10 +211,10 @@ std::vector<FilterRecord> until(std::vector<FilterRecord> records, double second
   return {record};
 }
 
-// A vehicle that flies indoors, position by a motion capture that was smoothed with the same
-// inertial sensor: gyroscope and accelerometer come out beside the datasheet of the ADIS16448, and
-// the report says that the positions' innovations are not white noise.
-TEST(InertialFilter, ReadsTheDensitiesOfASensorOffAFlight) {
+// A vehicle that flies indoors, with positions from a motion capture that was smoothed with the
+// same inertial sensor: the noise of gyroscope and accelerometer agrees with the datasheet of the
+// ADIS16448, and the report states that the innovations of the positions are not white.
+TEST(InertialFilter, EstimatesNoiseDensitiesFromAFlight) {
   QUADTUNE_REQUIRE_DATA(data);
   if (testing::kSanitized)
     GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
@@ -225,7 +225,7 @@ TEST(InertialFilter, ReadsTheDensitiesOfASensorOffAFlight) {
       read_log_channels((data / "euroc" / "V1_01_easy_gt_20Hz.csv").string(), {"px", "py", "pz"});
   std::vector<ChannelUse> uses;
   FilterModel model = aided_by_position();
-  fix(model, "Q.gyro_offset", 1.9393e-5 * 1.9393e-5);  // too little to be seen in a minute
+  fix(model, "Q.gyro_offset", 1.9393e-5 * 1.9393e-5);  // too small to be determined in a minute
   for (std::size_t i = 0; i < 6; ++i)
     uses.push_back(use(model.inputs[i].name, imu, i, imu.epoch_s));
   for (std::size_t i = 0; i < 3; ++i)
@@ -248,7 +248,7 @@ TEST(InertialFilter, ReadsTheDensitiesOfASensorOffAFlight) {
 }
 
 // A simulated PX4 flight: barometer and GPS velocity.
-TEST(InertialFilter, ReadsBarometerAndGpsOffAReplay) {
+TEST(InertialFilter, TunesBarometerAndGpsFromAReplay) {
   QUADTUNE_REQUIRE_DATA(data);
   if (testing::kSanitized)
     GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
@@ -278,30 +278,29 @@ TEST(InertialFilter, ReadsBarometerAndGpsOffAReplay) {
   const auto found = [&](const char* name) {
     return tuning.fit.parameters[static_cast<std::size_t>(parameter_index(model, name, "test"))];
   };
-  // The altitude of a vehicle that stands still scatters by 0.09 m, the velocity by 0.06 m/s at
-  // most.
+  // The altitude of a stationary vehicle has a standard deviation of 0.09 m, the velocity of at
+  // most 0.06 m/s.
   EXPECT_NEAR(std::sqrt(found("R.height").value), 0.09, 0.02);
   EXPECT_LT(std::sqrt(found("R.velocity").value), 0.2);
   const auto& before = tuning.before.outputs.back();
   const auto& after = tuning.after.outputs.back();
   EXPECT_EQ(after.output, "height: height");
-  EXPECT_LT(before.size, 0.1);  // 0.5 m were far too many
+  EXPECT_LT(before.size, 0.1);  // 0.5 m would be far too large
   EXPECT_NEAR(after.size, 1, 0.1);
 }
 
-// The steps of a clock in other units would be divided into more than memory holds.
-TEST(InertialFilter, RefusesStepsThatItCannotIntegrate) {
+// The steps of a clock in other units would be divided into more steps than fit into memory.
+TEST(InertialFilter, RejectsStepsThatItCannotIntegrate) {
   const FilterModel model = known_noise();
   FilterRecord record = flown(model, 2, 1);
   for (double& time : record.time) time *= 1e9;
   EXPECT_THAT([&] { (void)nonlinear_filter(model, {record}); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("made up: the inputs at 0 s are followed by others after 1e+07 s, "
-                            "expected at most 20 s because the motion between them is integrated "
-                            "in steps of 0.02 s")));
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "made up: the inputs at 0 s are followed by the next after 1e+07 s, expected at "
+                  "most 20 s because the motion between them is integrated in steps of 0.02 s")));
 }
 
-TEST(InertialFilter, IsNoLinearModel) {
+TEST(InertialFilter, IsNotALinearModel) {
   const FilterModel model = known_noise();
   EXPECT_THAT([&] { InnovationLikelihood(model, {flown(model, 2, 1)}); },
               ThrowsMessage<InvalidInput>(HasSubstr("'inertial' is not linear, expected a record "
@@ -310,12 +309,13 @@ TEST(InertialFilter, IsNoLinearModel) {
               ThrowsMessage<InvalidInput>(HasSubstr("'altitude' is linear, expected dynamics")));
   FilterModel seen = model;
   seen.sensors[0].C(1, 2) = 1;
-  EXPECT_THAT([&] { (void)nonlinear_filter(seen, {}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("C of sensor 'position' sees the turn")));
+  EXPECT_THAT(
+      [&] { (void)nonlinear_filter(seen, {}); },
+      ThrowsMessage<InvalidInput>(HasSubstr("C of sensor 'position' depends on the rotation")));
   FilterRecord record = flown(model, 2, 1);
   record.y.setConstant(std::nan(""));
   EXPECT_THAT([&] { (void)nonlinear_filter(model, {record}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("0 instants with measurements came")));
+              ThrowsMessage<InvalidInput>(HasSubstr("0 instants with measurements")));
 }
 
 TEST(InertialFilter, IsWrittenAndReadBack) {
@@ -336,8 +336,8 @@ TEST(InertialFilter, IsWrittenAndReadBack) {
             "states = [\"a\"]\n",
             "f.toml");
       },
-      ThrowsMessage<InvalidInput>(
-          HasSubstr("f.toml:4: states came, expected none because the dynamics are 'inertial'")));
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "f.toml:4: states is given, expected no such key because the dynamics are 'inertial'")));
 }
 
 }  // namespace

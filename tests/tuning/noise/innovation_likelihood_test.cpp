@@ -26,7 +26,7 @@ using ::testing::ThrowsMessage;
 
 VectorXd logs(double a, double b) { return Eigen::Vector2d(std::log(a), std::log(b)); }
 
-TEST(InnovationLikelihood, IsTheNilesOfTheTextbook) {
+TEST(InnovationLikelihood, MatchesTheTextbookForTheNile) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   const Likelihood at =
       likelihood.evaluate(logs(1469.1767190775608, 15098.518459155015), LikelihoodOrder::gradient);
@@ -124,7 +124,7 @@ double dense_likelihood(const FilterModel& model, const VectorXd& theta,
                  2 * L.diagonal().array().log().sum() + e.dot(llt.solve(e)));
 }
 
-TEST(InnovationLikelihood, IsThatOfAllMeasurementsAtOnce) {
+TEST(InnovationLikelihood, MatchesTheJointDensityOfAllMeasurements) {
   std::mt19937_64 random(11);
   for (int nx = 1; nx <= 6; ++nx)
     for (const bool continuous : {false, true})
@@ -155,9 +155,9 @@ TEST(InnovationLikelihood, IsThatOfAllMeasurementsAtOnce) {
       }
 }
 
-// The variance of a state that is forgotten at once underflows to 0, a change that is infinite
-// relative to it. That says nothing about the level beside it, which converges slowly.
-TEST(InnovationLikelihood, AVarianceThatUnderflowsDoesNotSettleTheOthers) {
+// The variance of a state with no memory underflows to 0, an infinite relative change. This does
+// not affect the level, which converges slowly.
+TEST(InnovationLikelihood, AnUnderflowingVarianceIsNotConvergence) {
   FilterModel model = testing::local_level();
   model.states = {{"level", ""}, {"fast", ""}};
   model.A = Eigen::Vector2d(1, 1e-6).asDiagonal();
@@ -177,7 +177,7 @@ TEST(InnovationLikelihood, AVarianceThatUnderflowsDoesNotSettleTheOthers) {
 }
 
 // The level at the second measurement differs by n steps of Q, and both measurements by R: a gap of
-// years costs no more than one of seconds.
+// years takes no longer than one of seconds.
 TEST(InnovationLikelihood, StepsOverAGapOfADiscreteModel) {
   for (const double n : {1.0, 2.0, 3.0, 10.0, 1e3, 1e6 + 1, 1e9, 1e14}) {
     const FilterRecord record{"gap", {0, n}, MatrixXd{{1, 4}}, MatrixXd(0, 2)};
@@ -206,8 +206,8 @@ TEST(InnovationLikelihood, HoldsTheInputOverAGapOfADiscreteModel) {
   }
 }
 
-// Why the state at the start is no parameter beside the variances: with the Nile's first volume
-// taken for the level, less and less noise of the measurements is likelier for ever.
+// Why the initial state is not a parameter like the variances: if the level starts at the first
+// volume of the Nile, the likelihood increases without bound as the measurement noise decreases.
 TEST(InnovationLikelihood, HasNoMaximumOverTheStateAtTheStart) {
   FilterRecord record = testing::nile();
   const VectorXd first = record.y.col(0);
@@ -218,7 +218,8 @@ TEST(InnovationLikelihood, HasNoMaximumOverTheStateAtTheStart) {
   EXPECT_GT(at(1e-80), likelihood.evaluate(logs(1469.18, 15098.52)).value);
 }
 
-// Durbin and Koopman 2012, section 5.2: the limit of a large initial variance, less its share.
+// Durbin and Koopman 2012, section 5.2: the limit of a large initial variance, minus its
+// contribution.
 TEST(InnovationLikelihood, OfDiffuseStatesIsALimit) {
   std::mt19937_64 random(12);
   for (int nx = 1; nx <= 5; ++nx)
@@ -244,7 +245,7 @@ TEST(InnovationLikelihood, OfDiffuseStatesIsALimit) {
     }
 }
 
-TEST(InnovationLikelihood, SlopesAreThoseOfDifferences) {
+TEST(InnovationLikelihood, GradientMatchesFiniteDifferences) {
   std::mt19937_64 random(13), aside(15);
   for (int nx = 1; nx <= 6; ++nx)
     for (const bool full : {false, true})
@@ -277,8 +278,9 @@ TEST(InnovationLikelihood, SlopesAreThoseOfDifferences) {
       }
 }
 
-// The expectation of the outer product of scores is Fisher's information, which is that of the sum.
-TEST(InnovationLikelihood, InformationIsTheScoresVariance) {
+// The expectation of the outer product of scores is the Fisher information, that is, the
+// expectation of the sum.
+TEST(InnovationLikelihood, InformationIsTheVarianceOfTheScore) {
   std::mt19937_64 random(14);
   const FilterModel model = testing::random_model(random, 2, 0, false, false);
   const VectorXd theta = start_of(model);
@@ -288,7 +290,7 @@ TEST(InnovationLikelihood, InformationIsTheScoresVariance) {
   for (int run = 0; run < runs; ++run) {
     const InnovationLikelihood likelihood(model,
                                           {testing::simulated(model, theta, 50, 0.1, random)});
-    // Five parameters are more than one vector of four: all the same one matrix.
+    // Five parameters do not fit into one vector of four; the result is the same.
     const Likelihood at = likelihood.evaluate(theta, LikelihoodOrder::information);
     scores += at.gradient * at.gradient.transpose() / runs;
     information += at.information / runs;
@@ -300,7 +302,7 @@ TEST(InnovationLikelihood, InformationIsTheScoresVariance) {
           << i << " " << j;
 }
 
-TEST(InnovationLikelihood, HoldsGainsThatHaveSettled) {
+TEST(InnovationLikelihood, HoldsConvergedGains) {
   std::mt19937_64 random(15);
   for (int nx = 1; nx <= 6; ++nx)
     for (const bool full : {false, true}) {
@@ -323,7 +325,7 @@ TEST(InnovationLikelihood, HoldsGainsThatHaveSettled) {
     }
 }
 
-TEST(InnovationLikelihood, ItsRunIsWhiteAndAddsUp) {
+TEST(InnovationLikelihood, ItsRunIsWhiteAndSumsToTheLikelihood) {
   std::mt19937_64 random(16);
   FilterModel model = testing::random_model(random, 3, 1, true, true);
   model.diffuse = {false, true, false};
@@ -353,7 +355,7 @@ TEST(InnovationLikelihood, ItsRunIsWhiteAndAddsUp) {
   EXPECT_GT(run.x_variance.rightCols(4000).minCoeff(), 0);
 }
 
-TEST(InnovationLikelihood, SaysWhatIsWrongWithAModelOrALog) {
+TEST(InnovationLikelihood, NamesErrorsOfAModelOrALog) {
   const FilterModel model = testing::local_level();
   const auto refused = [&](auto change, const std::string& message) {
     FilterModel m = model;
@@ -369,11 +371,10 @@ TEST(InnovationLikelihood, SaysWhatIsWrongWithAModelOrALog) {
       [](FilterModel& m, FilterRecord&) {
         m.parameters.push_back({"Q.other", ""});
       },
-      "filter model: parameter 'Q.other' is in no covariance, expected one that changes with it");
-  refused(
-      [](FilterModel& m, FilterRecord&) { m.sensors[0].C.setZero(); },
-      "filter model: C of sensor 'y' has only zeros in row 1, expected that the measurement sees "
-      "a state");
+      "filter model: parameter 'Q.other' is not used, expected a covariance that depends on it");
+  refused([](FilterModel& m, FilterRecord&) { m.sensors[0].C.setZero(); },
+          "filter model: C of sensor 'y' has only zeros in row 1, expected a measurement that "
+          "depends on a state");
   refused([](FilterModel& m, FilterRecord&) { m.sensors[0].R.scaled.clear(); },
           "filter model: R of sensor 'y' is not positive definite at the start, expected every "
           "measurement to have some noise");
@@ -382,13 +383,13 @@ TEST(InnovationLikelihood, SaysWhatIsWrongWithAModelOrALog) {
       "filter model: state 'level' is diffuse and has an initial covariance, expected one or the "
       "other");
   refused([](FilterModel&, FilterRecord& r) { r.time[3] = r.time[2]; },
-          "nile: the time goes from 1873 s to 1873 s at sample 4, expected that it increases");
+          "nile: the time changes from 1873 s to 1873 s at sample 4, expected increasing times");
   refused([](FilterModel&, FilterRecord& r) { r.time[3] += 0.4; },
-          "nile: from sample 3 to 4 it is 1.4 s, expected a multiple of the model's period 1 s "
-          "because it is discrete");
-  refused(
-      [](FilterModel&, FilterRecord& r) { r.y.resize(2, 100); },
-      "nile: the measurements is 2x100, expected 1x100 (one row an output, one column a sample)");
+          "nile: the time from sample 3 to 4 is 1.4 s, expected a multiple of the model's period 1 "
+          "s because it is discrete");
+  refused([](FilterModel&, FilterRecord& r) { r.y.resize(2, 100); },
+          "nile: the measurements is 2x100, expected 1x100 (one row per output, one column per "
+          "sample)");
   EXPECT_THAT([&] { (void)parameter_index(model, "Q.levl", "--fix"); },
               ThrowsMessage<InvalidInput>(
                   StrEq("--fix: no parameter 'Q.levl', expected one of Q.level, R.y; did you mean "
@@ -406,7 +407,7 @@ TEST(InnovationLikelihood, NamesWhereItFails) {
   EXPECT_FALSE(tiny.computed());
 }
 
-TEST(InnovationLikelihood, SettlesAtThePublishedCovariancesOfTheMambo) {
+TEST(InnovationLikelihood, ConvergesToThePublishedCovariancesOfTheMambo) {
   // Oliveira 2020, tables 3.1 and 3.2, to the digits of an evaluation in 50.
   std::mt19937_64 random(3);
   const FilterModel altitude = testing::discrete_altitude();

@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::MatrixNear;
 
-/// Its covariance's first two noises as a full block besides.
+/// The first two noises of its covariance as an additional full block.
 FilterModel with_full_block(FilterModel model) {
   model.Q.full.push_back({{0, 1}, static_cast<int>(model.parameters.size())});
   model.parameters.push_back({"Q.a", "", true, 0.3});
@@ -53,7 +53,7 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivities) {
       for (const bool diffuse : {false, true}) {
         FilterModel model = testing::random_model(random, nx, nx % 3, continuous, false);
         model = with_full_block(model);
-        if (diffuse) {  // one state of which nothing is known
+        if (diffuse) {  // one diffuse state
           model.P0.row(0).setZero();
           model.P0.col(0).setZero();
           model.diffuse[0] = true;
@@ -68,7 +68,7 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivities) {
       }
 }
 
-// Pieces of 1024 samples, gains that settle within them, gaps, and N that settles from behind.
+// Pieces of 1024 samples, gains that converge within them, gaps, and N that converges backwards.
 TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesOverSteadyStretches) {
   std::mt19937_64 random(22);
   for (const int nx : {3, 6, 12}) {
@@ -83,8 +83,8 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesOverSteadyStretches) {
   }
 }
 
-// They have code of their own, which sensitivities do not run through. With the small R, some steps
-// need Joseph's form.
+// They have separate code, which sensitivities do not use. With the small R, some steps require the
+// Joseph form.
 TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesForTwoStatesAndOneOutput) {
   std::mt19937_64 random(26);
   for (const int nu : {0, 1, 2})
@@ -104,8 +104,7 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesForTwoStatesAndOneOutp
     }
 }
 
-// More than the tapes hold, with gains that change and with steady ones: a part is gone through
-// twice.
+// More than fits on the tapes, with varying and with steady gains: a part is processed twice.
 TEST(LikelihoodDerivatives, AdjointThroughALongLog) {
   std::mt19937_64 random(23);
   struct Log {
@@ -135,7 +134,7 @@ TEST(LikelihoodDerivatives, AdjointThroughALongLog) {
   }
 }
 
-// A linear model told instant by instant is the same model.
+// A linear model given instant by instant is the same model.
 TEST(LikelihoodDerivatives, OfLinearizedInstantsIsThatOfTheModel) {
   std::mt19937_64 random(24);
   for (const int nx : {5, 15}) {
@@ -170,7 +169,7 @@ TEST(LikelihoodDerivatives, OfLinearizedInstantsIsThatOfTheModel) {
   }
 }
 
-// Every way of evaluating asks, again and again, whether it is to stop.
+// Every kind of evaluation calls the stop function repeatedly.
 TEST(LikelihoodDerivatives, StopsWithinAThousandSamples) {
   std::mt19937_64 random(25);
   for (const int nx : {2, 6}) {

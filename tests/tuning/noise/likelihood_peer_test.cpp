@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Likelihoods beside those of statsmodels and R, by the programs that the benchmark runs as well.
+// Likelihoods compared with those of statsmodels and R, by the programs that the benchmark also
+// runs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +19,7 @@ using bench::KalmanPeer;
 using bench::KalmanProblem;
 using bench::PeerTask;
 
-/// A level that wanders, about as the Nile's does, over a thousand years.
+/// A random walk of a level, similar to that of the Nile, over a thousand years.
 KalmanProblem wandering_level() {
   std::mt19937_64 random(31);
   FilterModel model = testing::local_level();

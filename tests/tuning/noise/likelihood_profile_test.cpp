@@ -16,7 +16,7 @@ using Eigen::Index;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Where a profile crosses a level on one side, between its points.
+/// The point at which a profile crosses a level on one side, by interpolation.
 double crossing(const LikelihoodProfile& profile, double level, bool upper) {
   const Index n = profile.theta.size();
   for (Index i = 0; i + 1 < n; ++i) {
@@ -28,7 +28,7 @@ double crossing(const LikelihoodProfile& profile, double level, bool upper) {
   return std::nan("");
 }
 
-// It falls by half the quantile of χ² where the profile intervals end.
+// It has fallen by half the quantile of χ² at the ends of the profile intervals.
 TEST(LikelihoodProfile, CrossesTheLevelOfTheInterval) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   NoiseFitOptions options;
@@ -44,8 +44,8 @@ TEST(LikelihoodProfile, CrossesTheLevelOfTheInterval) {
   }
 }
 
-// The other parameter follows: at each point no other value of it is more likely.
-TEST(LikelihoodProfile, IsTheBestOverTheOthers) {
+// The other parameter is optimized: at each point no other value of it is more likely.
+TEST(LikelihoodProfile, IsTheMaximumOverTheOthers) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   const NoiseFit fit = fit_noise(likelihood);
   const LikelihoodProfile profile = likelihood_profile(likelihood, fit, 0, {.points = 5});
@@ -62,8 +62,8 @@ TEST(LikelihoodProfile, IsTheBestOverTheOthers) {
   }
 }
 
-// A level that does not move: its variance is at zero, and the profile ends beyond the bound.
-TEST(LikelihoodProfile, OfAVarianceAtZeroGoesBeyondItsBound) {
+// A constant level: its variance is at zero, and the profile ends above the bound.
+TEST(LikelihoodProfile, OfAVarianceAtZeroExtendsAboveItsBound) {
   std::mt19937_64 random(4);
   FilterModel model = testing::local_level();
   Eigen::VectorXd truth = start_of(model);
@@ -81,13 +81,13 @@ TEST(LikelihoodProfile, OfAVarianceAtZeroGoesBeyondItsBound) {
   EXPECT_LT(profile.value(profile.value.size() - 1), -1.3);
 }
 
-TEST(LikelihoodProfile, RefusesWhatWasNotFitted) {
+TEST(LikelihoodProfile, RejectsAParameterThatWasNotFitted) {
   FilterModel model = testing::local_level();
   model.parameters[1].fixed = true;
   const InnovationLikelihood likelihood(model, {testing::nile()});
   const NoiseFit fit = fit_noise(likelihood);
   EXPECT_THAT([&] { (void)likelihood_profile(likelihood, fit, 1); },
-              ThrowsMessage<InvalidInput>(HasSubstr("parameter 1 of 2 came, expected one that was "
+              ThrowsMessage<InvalidInput>(HasSubstr("parameter 1 of 2 was not fitted; expected a "
                                                     "fitted")));
   EXPECT_THAT([&] { (void)likelihood_profile(likelihood, fit, 0, {.points = 2}); },
               ThrowsMessage<InvalidInput>(HasSubstr("expected 3 or more")));

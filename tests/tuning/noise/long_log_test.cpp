@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory that a fit takes does not grow with the log.
+// The memory that a fit requires does not grow with the log.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -14,12 +14,13 @@
 namespace quadtune {
 namespace {
 
-constexpr rlim_t kAllowed = 48 << 20;  // bytes, besides what the program has when it begins
-/// The measurements alone are as large as that.
+// bytes, in addition to the memory at the start of the program
+constexpr rlim_t kAllowed = 48 << 20;
+/// The measurements alone have that size.
 constexpr int kSamples = 6'000'000;
 
-/// Variances of the level's steps and of the measurements, for which the log-likelihood is next to
-/// zero: the rounding of its sum is not.
+/// Variances of the steps of the level and of the measurements, for which the log-likelihood is
+/// almost zero, but the rounding error of its sum is not.
 constexpr double kStep = 5.294e-4, kNoise = 5.294e-2;
 
 FilterRecord long_level() {
@@ -39,10 +40,10 @@ FilterRecord long_level() {
   return record;
 }
 
-/// 0: the fit is done and right.
+/// 0: the fit has converged to the right result.
 int tune_long_log() {
-  const rlim_t most = static_cast<rlim_t>(testing::data_memory()) + kAllowed;
-  const rlimit limit{most, most};
+  const rlim_t max = static_cast<rlim_t>(testing::data_memory()) + kAllowed;
+  const rlimit limit{max, max};
   if (setrlimit(RLIMIT_DATA, &limit) != 0) return 2;
   FilterModel model = testing::local_level();
   model.parameters[0].start = 30 * kStep;

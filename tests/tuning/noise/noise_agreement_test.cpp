@@ -28,9 +28,9 @@ NoiseAgreement compared(const FilterModel& model, const FilterRecord& record, No
   return compare_methods(fit, method, likelihood);
 }
 
-// Of logs that the model made both methods find the same, within less than the upper bound of
-// their distance, whichever came first.
-TEST(NoiseAgreement, IsThereWhereTheModelIsRight) {
+// For logs from the model both methods agree within less than the upper bound of their distance,
+// whichever was used first.
+TEST(NoiseAgreement, HoldsIfTheModelIsRight) {
   std::mt19937_64 random(7);
   const FilterModel model = testing::local_level();
   double squares = 0, count = 0;
@@ -48,11 +48,12 @@ TEST(NoiseAgreement, IsThereWhereTheModelIsRight) {
       }
     }
   }
-  EXPECT_LT(squares / count, 1);  // they hang together
+  EXPECT_LT(squares / count, 1);  // they are correlated
 }
 
-/// A level that is calm while it is measured at every step, and wanders thirty times as much while
-/// it is measured at every step or every second one: autocovariances see the calm half alone.
+/// A level that varies slowly in the part in which it is measured at every step, and thirty times
+/// as much in the part in which it is measured at every step or every second one: autocovariances
+/// use only the first part.
 FilterRecord restless(int samples, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -69,7 +70,7 @@ FilterRecord restless(int samples, unsigned seed) {
   return record;
 }
 
-TEST(NoiseAgreement, FailsWhereTheModelIsNot) {
+TEST(NoiseAgreement, FailsIfTheModelIsWrong) {
   const NoiseAgreement agreement =
       compared(testing::local_level(), restless(6000, 3), NoiseMethod::likelihood);
   EXPECT_EQ(agreement.other, NoiseMethod::autocovariances);
@@ -77,12 +78,12 @@ TEST(NoiseAgreement, FailsWhereTheModelIsNot) {
   EXPECT_TRUE(agreement.parameters[0].disagrees);
   EXPECT_GT(agreement.parameters[0].factor, 1.5);
   EXPECT_GT(agreement.parameters[0].deviations, 3.5);
-  EXPECT_FALSE(agreement.parameters[1].disagrees);  // of the measurement they find the same
+  EXPECT_FALSE(agreement.parameters[1].disagrees);  // they agree on the measurement noise
   EXPECT_THAT(agreement.disagreements[0], HasSubstr("by maximum likelihood, and "));
-  EXPECT_THAT(agreement.disagreements[0], HasSubstr("no interval of it holds"));
+  EXPECT_THAT(agreement.disagreements[0], HasSubstr("its intervals are not valid"));
 }
 
-TEST(NoiseAgreement, SaysWhyThereIsNothingToCompare) {
+TEST(NoiseAgreement, ExplainsWhyThereIsNoComparison) {
   FilterModel model = testing::local_level();
   model.sensors[0].student = 4;
   std::mt19937_64 random(9);
@@ -91,8 +92,8 @@ TEST(NoiseAgreement, SaysWhyThereIsNothingToCompare) {
               HasSubstr("have Student's distribution"));
 }
 
-// What a tuning tells of it.
-TEST(NoiseAgreement, IsToldByATuning) {
+// The report of a tuning.
+TEST(NoiseAgreement, IsReportedByATuning) {
   const NoiseTuning tuning = tune_noise(testing::local_level(), {restless(6000, 3)});
   ASSERT_TRUE(tuning.agreement);
   EXPECT_EQ(tuning.agreement->disagreements, tuning.warnings);

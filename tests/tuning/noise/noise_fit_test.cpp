@@ -49,7 +49,7 @@ TEST(NoiseFit, FindsTheNilesVariancesFromAnywhere) {
   }
 }
 
-TEST(NoiseFit, ItsErrorsAreThoseOfTheCurvature) {
+TEST(NoiseFit, StandardErrorsMatchTheCurvature) {
   const NoiseFit fit =
       fit_noise(InnovationLikelihood(testing::local_level(), {testing::nile()}), {});
   ASSERT_TRUE(fit.converged());
@@ -65,7 +65,7 @@ TEST(NoiseFit, ItsErrorsAreThoseOfTheCurvature) {
   EXPECT_GT(fit.after.value, fit.before.value);
 }
 
-// The profile of the likelihood is what it is by brute force.
+// The profile of the likelihood agrees with a brute-force computation.
 TEST(NoiseFit, ProfilesTheLikelihood) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   NoiseFitOptions options;
@@ -87,7 +87,7 @@ TEST(NoiseFit, ProfilesTheLikelihood) {
   EXPECT_GT(Q.high, Q.value);
 }
 
-TEST(NoiseFit, FindsWhatMadeALog) {
+TEST(NoiseFit, RecoversTheParametersOfALog) {
   std::mt19937_64 random(3);
   for (const bool full : {false, true})
     for (const bool continuous : {false, true}) {
@@ -107,8 +107,8 @@ TEST(NoiseFit, FindsWhatMadeALog) {
     }
 }
 
-// 100 logs: the truth lies in the 95 % interval as often as a fair coin of 95 % says it may.
-TEST(NoiseFit, ItsIntervalsHoldTheTruth) {
+// 100 logs: the 95 % interval contains the true value as often as the binomial distribution allows.
+TEST(NoiseFit, ItsIntervalsContainTheTrueValue) {
   std::mt19937_64 random(4);
   const FilterModel model = testing::discrete_altitude();
   const VectorXd truth = start_of(model);
@@ -128,8 +128,8 @@ TEST(NoiseFit, ItsIntervalsHoldTheTruth) {
   for (const int count : inside) EXPECT_GE(count, 88);
 }
 
-// A random walk that does not walk: the logs want no variance, and bound it from above.
-TEST(NoiseFit, SaysWhenAVarianceIsZero) {
+// A random walk with zero variance: the estimate is zero, with an upper bound.
+TEST(NoiseFit, ReportsAVarianceOfZero) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal(0, 3);
   FilterRecord record = testing::nile();
@@ -153,8 +153,8 @@ TEST(NoiseFit, SaysWhenAVarianceIsZero) {
   EXPECT_LE(zeros, 10);
 }
 
-// A sensor that says nothing, and two noises that only their sum tells apart.
-TEST(NoiseFit, NamesWhatTheLogsDoNotSee) {
+// A sensor without information, and two noises of which only the sum is determined.
+TEST(NoiseFit, NamesUndeterminedDirections) {
   std::mt19937_64 random(6);
   FilterModel model = testing::local_level();
   FilterRecord record = testing::simulated(model, start_of(model), 500, 1, random);
@@ -177,7 +177,7 @@ TEST(NoiseFit, NamesWhatTheLogsDoNotSee) {
   EXPECT_EQ(parameter_named(silent, "R.y").verdict, ParameterVerdict::seen);
 }
 
-// Prior and log agree as two measurements of one number do.
+// Prior and log are combined like two measurements of one number.
 TEST(NoiseFit, WeighsPriors) {
   FilterModel model = testing::local_level();
   const NoiseFit alone = fit_noise(InnovationLikelihood(model, {testing::nile()}), {});
@@ -191,7 +191,7 @@ TEST(NoiseFit, WeighsPriors) {
   EXPECT_NEAR(parameter_named(vague, "Q.level").value, parameter_named(alone, "Q.level").value, 1);
 }
 
-TEST(NoiseFit, LeavesWhatIsFixed) {
+TEST(NoiseFit, KeepsFixedParameters) {
   FilterModel model = testing::local_level();
   model.parameters[1].fixed = true;
   model.parameters[1].start = 12345;
@@ -203,14 +203,14 @@ TEST(NoiseFit, LeavesWhatIsFixed) {
   EXPECT_NEAR(fit.after.gradient(0), 0, 1e-5);
 }
 
-TEST(NoiseFit, RefusesTooFewMeasurementsAndBadOptions) {
+TEST(NoiseFit, RejectsTooFewMeasurementsAndBadOptions) {
   FilterRecord record = testing::nile();
   record.time.resize(2);
   record.y = record.y.leftCols(2).eval();
   record.u = record.u.leftCols(2).eval();
   EXPECT_THAT([&] { (void)fit_noise(InnovationLikelihood(testing::local_level(), {record}), {}); },
-              ThrowsMessage<InvalidInput>(
-                  StrEq("fit: 1 measurements came for 2 parameters, expected at least as many")));
+              ThrowsMessage<InvalidInput>(StrEq(
+                  "fit: there are 1 measurements for 2 parameters; expected at least as many")));
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   EXPECT_THAT([&] { (void)fit_noise(likelihood, {.starts = 0}); },
               ThrowsMessage<InvalidInput>(StrEq("fit: starts is 0, expected at least 1")));
@@ -219,8 +219,9 @@ TEST(NoiseFit, RefusesTooFewMeasurementsAndBadOptions) {
                   StrEq("fit: confidence is 1, expected more than 0 and less than 1")));
 }
 
-// A log-likelihood next to zero, as these variances have it, is a sum that rounds none the less.
-TEST(NoiseFit, EndsWhateverItsSumRoundsTo) {
+// A log-likelihood close to zero, as with these variances, is a sum with rounding errors all the
+// same.
+TEST(NoiseFit, EndsDespiteRoundingOfItsSum) {
   std::mt19937_64 random(11);
   FilterModel model = testing::local_level();
   const VectorXd truth = (VectorXd(2) << std::log(5.294e-4), std::log(5.294e-2)).finished();
@@ -232,8 +233,8 @@ TEST(NoiseFit, EndsWhateverItsSumRoundsTo) {
   }
 }
 
-// One search more where autocovariances say something, and never a worse end.
-TEST(NoiseFit, AlsoStartsWhereAutocovariancesSay) {
+// One more search if autocovariances have a result, and never a worse end.
+TEST(NoiseFit, AlsoStartsAtTheResultOfAutocovariances) {
   std::mt19937_64 random(7);
   FilterModel model = testing::discrete_altitude();
   const FilterRecord uniform = testing::simulated(model, start_of(model), 3000, 0.005, random);
@@ -257,8 +258,8 @@ TEST(NoiseFit, StopsWhenAsked) {
   EXPECT_EQ(fit.evaluations, 0);
 }
 
-// Wherever it is stopped, in the searches, their strides, the curvature or the bounds: what it ends
-// with is the best that it has evaluated.
+// Wherever it is interrupted, in the searches, their long steps, the curvature or the bounds, the
+// result is the best point that was evaluated.
 TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
   std::mt19937_64 random(12);
   FilterModel model = testing::discrete_altitude();
@@ -269,29 +270,28 @@ TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
   const NoiseFit whole = fit_noise(
       likelihood, {.starts = 2, .profile = true, .interrupted = [&] { return ++asked < 0; }});
   ASSERT_TRUE(whole.converged());
-  for (const int most : {1, 2, asked / 8, asked / 4, asked / 2, asked - 1}) {
-    SCOPED_TRACE(most);
+  for (const int max : {1, 2, asked / 8, asked / 4, asked / 2, asked - 1}) {
+    SCOPED_TRACE(max);
     int now = 0;
     double best = -std::numeric_limits<double>::infinity();
-    const NoiseFit fit =
-        fit_noise(likelihood, {.starts = 2,
-                               .profile = true,
-                               .interrupted = [&] { return ++now > most; },
-                               .progress = [&](int, double greatest) { best = greatest; }});
+    const NoiseFit fit = fit_noise(likelihood, {.starts = 2,
+                                                .profile = true,
+                                                .interrupted = [&] { return ++now > max; },
+                                                .progress = [&](int, double max) { best = max; }});
     EXPECT_EQ(fit.status, NoiseFitStatus::interrupted);
     if (fit.before.computed()) {
       EXPECT_GE(fit.after.value, fit.before.value);
       EXPECT_NEAR(likelihood.evaluate(fit.theta).value, fit.after.value,
                   1e-9 * std::abs(fit.after.value));
-    } else {  // stopped before the first value was there
-      EXPECT_EQ(most, 1);
+    } else {  // stopped before the first evaluation was complete
+      EXPECT_EQ(max, 1);
       EXPECT_EQ(fit.evaluations, 0);
       EXPECT_EQ(fit.theta, start_of(model));
     }
     if (fit.evaluations > 0 && std::isfinite(best)) {
       EXPECT_EQ(fit.after.value, best);
     }
-    EXPECT_LT(now, most + 10);  // it does not go on asking
+    EXPECT_LT(now, max + 10);  // it does not continue to call
     for (std::size_t i = 0; i < model.parameters.size(); ++i) {
       EXPECT_EQ(fit.parameters[i].value, std::exp(fit.theta(static_cast<Index>(i))));
       EXPECT_EQ(fit.parameters[i].verdict, ParameterVerdict::not_known);
@@ -315,7 +315,7 @@ TEST(NoiseFit, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(many.evaluations, one.evaluations);
     EXPECT_EQ(many.agreeing, one.agreeing);
     for (std::size_t i = 0; i < one.parameters.size(); ++i) {
-      // Two that are not there are alike.
+      // Two missing values count as equal.
       const auto same = [](double a, double b) { return a == b || (a != a && b != b); };
       EXPECT_TRUE(same(many.parameters[i].low, one.parameters[i].low)) << i;
       EXPECT_TRUE(same(many.parameters[i].high, one.parameters[i].high)) << i;

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
-TEST(LinearizedRecord, HasTheLikelihoodOfTheModelThatItIsOf) {
+TEST(LinearizedRecord, HasTheLikelihoodOfItsModel) {
   std::mt19937_64 random(81);
   for (const int nx : {1, 2, 3, 5}) {
     SCOPED_TRACE(nx);
@@ -44,8 +44,8 @@ TEST(LinearizedRecord, HasTheLikelihoodOfTheModelThatItIsOf) {
 }
 
 TEST(LinearizedRecord, ChangesFromInstantToInstant) {
-  // y = c x with c of each instant, x a constant known to be 2 ± 0: the likelihood of each is its
-  // own.
+  // y = c x with a different c at each instant, x a constant known to be 2 ± 0: the likelihood of
+  // each is independent.
   FilterModel model = testing::local_level();
   const VectorXd theta = start_of(model);
   FilterRecord record{"made up", {0, 1, 2}, MatrixXd(1, 3), MatrixXd(0, 3)};
@@ -62,21 +62,22 @@ TEST(LinearizedRecord, ChangesFromInstantToInstant) {
   EXPECT_THAT(run.innovation, MatrixNear(Eigen::RowVector3d(3 - 2, 5 - 2 * 4, -1 + -1), 1e-12));
 }
 
-TEST(LinearizedRecord, RefusesWhatDoesNotFit) {
+TEST(LinearizedRecord, RejectsWrongShapes) {
   const FilterModel model = testing::local_level();
   std::mt19937_64 random(1);
   FilterRecord record =
       testing::linearized(model, testing::simulated(model, start_of(model), 5, 1, random));
   record.linearized.pop_back();
-  EXPECT_THAT([&] { validate(record, model, "log"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("4 linearized instants came, expected 5")));
+  EXPECT_THAT(
+      [&] { validate(record, model, "log"); },
+      ThrowsMessage<InvalidInput>(HasSubstr("there are 4 linearized instants, expected 5")));
   record.linearized.push_back(record.linearized.back());
   record.linearized[2].noise.clear();
   EXPECT_THAT([&] { validate(record, model, "log"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("0 noises of an instant came, expected 1")));
+              ThrowsMessage<InvalidInput>(HasSubstr("an instant has 0 noises, expected 1")));
 }
 
-/// A constant that is known, seen with errors of long tails.
+/// A known constant, measured with errors of a heavy-tailed distribution.
 TEST(StudentsNoise, HasItsDensity) {
   FilterModel model = testing::local_level();
   model.sensors[0].student = 3.5;
@@ -84,7 +85,7 @@ TEST(StudentsNoise, HasItsDensity) {
   record.y << 0.3, -2, 11, 0;
   record.start = FilterStart{VectorXd::Zero(1), MatrixXd::Zero(1, 1)};
   VectorXd theta(2);
-  theta << -60, std::log(1.7);  // the level does not move
+  theta << -60, std::log(1.7);  // the level is constant
   double expected = 0;
   const boost::math::students_t density(3.5);
   for (const double y : record.y.row(0))
@@ -117,7 +118,7 @@ TEST(StudentsNoise, HasTheSlopeOfItsLikelihood) {
   }
 }
 
-/// The height of table 3.1 with errors of which some are gross.
+/// The height of table 3.1 with some outliers.
 struct Spoilt {
   FilterModel model = testing::discrete_altitude();
   VectorXd truth;
@@ -139,7 +140,7 @@ struct Spoilt {
   }
 };
 
-TEST(Gates, RefuseTheOutliersAndNoOthers) {
+TEST(Gates, RejectTheOutliersOnly) {
   Spoilt spoilt(0.02);
   const NoiseTuning with = tune_noise(spoilt.model, {spoilt.record});
   EXPECT_EQ(with.verdict, CheckVerdict::fail);
@@ -157,15 +158,15 @@ TEST(Gates, RefuseTheOutliersAndNoOthers) {
   }
 }
 
-TEST(Gates, AreNotForWhatIsNoOutlier) {
+TEST(Gates, FailIfTheyRejectTooMany) {
   Spoilt spoilt(0.2);
   spoilt.model.sensors[0].gate = 30;
   const NoiseTuning tuning = tune_noise(spoilt.model, {spoilt.record});
   EXPECT_EQ(tuning.verdict, CheckVerdict::fail);
-  EXPECT_THAT(tuning.reasons, ::testing::Contains(HasSubstr("more than outliers are")));
+  EXPECT_THAT(tuning.reasons, ::testing::Contains(HasSubstr("too many to be outliers")));
 }
 
-TEST(Gates, FromAStartThatWouldRefuseAll) {
+TEST(Gates, WorkFromAStartThatWouldRejectEverything) {
   Spoilt spoilt(0.02);
   spoilt.model.sensors[0].gate = 30;
   spoilt.model = with_noise(spoilt.model, spoilt.truth.array() - 12);
@@ -173,7 +174,7 @@ TEST(Gates, FromAStartThatWouldRefuseAll) {
   EXPECT_EQ(tuning.refused[0].refused, spoilt.planted);
 }
 
-// Between the first guess, which outliers do not spoil, and the first fit after it.
+// Between the first guess, which is robust to outliers, and the first fit after it.
 TEST(Gates, KeepTheFirstGuessWhereTheSearchIsEnded) {
   Spoilt spoilt(0.02);
   spoilt.model.sensors[0].gate = 30;
@@ -182,7 +183,8 @@ TEST(Gates, KeepTheFirstGuessWhereTheSearchIsEnded) {
   NoiseTuningOptions options;
   options.fit.interrupted = [&] { return asked++ == end_at || (end_at >= 0 && asked > end_at); };
   options.progress = [&](int, int evaluations, double) {
-    if (evaluations < last && first_fit < 0) first_fit = asked;  // counted anew by the first fit
+    // the count restarts with the first fit
+    if (evaluations < last && first_fit < 0) first_fit = asked;
     last = evaluations;
   };
   (void)tune_noise(spoilt.model, {spoilt.record}, options);
@@ -191,19 +193,19 @@ TEST(Gates, KeepTheFirstGuessWhereTheSearchIsEnded) {
   asked = 0;
   const NoiseTuning ended = tune_noise(spoilt.model, {spoilt.record}, options);
   ASSERT_EQ(ended.fit.status, NoiseFitStatus::interrupted);
-  // The start is 3 from the truth, the first guess less than 1.
+  // The distance of the start from the truth is 3, that of the first guess less than 1.
   EXPECT_LT((ended.fit.theta - spoilt.truth).cwiseAbs().maxCoeff(), 1);
 }
 
-TEST(Gates, StudentsErrorsBearTheOutliersToo) {
+TEST(Gates, StudentsDistributionIsRobustToo) {
   Spoilt spoilt(0.02);
   spoilt.model.sensors[0].student = 4;
   const NoiseTuning tuning = tune_noise(spoilt.model, {spoilt.record});
-  // Their scale is that of the errors which are not gross, within a third.
+  // Their scale is that of the errors without outliers, within a third.
   EXPECT_NEAR(std::log(tuning.fit.parameters[1].value), spoilt.truth(1), 0.3);
 }
 
-TEST(Gates, RefuseValuesThatAreNone) {
+TEST(Gates, RejectInvalidValues) {
   FilterModel model = testing::local_level();
   model.sensors[0].gate = 3;
   EXPECT_THAT([&] { validate(model, "model"); },

@@ -43,7 +43,7 @@ FilterModel quiet() {
   return model;
 }
 
-/// What moves as the filter's own model says, seen as its sensors say.
+/// Simulated by the model of the filter, measured by its sensors.
 FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
@@ -73,7 +73,7 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
     const auto A = state_jacobian(body, state, loads);
     const Eigen::Vector3d v = state.segment<3>(kVelocity);
     VectorXd y(model.outputs());
-    y << x(kAttitude), x(kAttitude + 1), wrapped(x(kAttitude + 2)),
+    y << x(kAttitude), x(kAttitude + 1), wrap_angle(x(kAttitude + 2)),
         (loads.force + drag_force(body, v)) / body.mass + x.tail<3>(), x.segment<3>(kRates),
         -x(kPosition + 2), x.segment<3>(kPosition), A.position_velocity * v;
     Index row = 0;
@@ -137,8 +137,8 @@ TEST(RigidBodyFilter, FindsTheNoiseOfSeveralFlights) {
   }
 }
 
-// One measurement between two gaps once refused all of a log.
-TEST(RigidBodyFilter, LeavesOutWhatHasOneMeasurement) {
+// Regression test: one measurement between two gaps caused the whole log to be rejected.
+TEST(RigidBodyFilter, ExcludesARecordWithOneMeasurement) {
   const FilterModel model = quiet();
   const std::vector<FilterRecord> whole = hovers(model, 2);
   std::vector<FilterRecord> torn = {whole[0], whole[1], whole[1]};
@@ -157,9 +157,8 @@ TEST(RigidBodyFilter, LeavesOutWhatHasOneMeasurement) {
             InnovationLikelihood(model, without.records).evaluate(start_of(model)).value);
   torn = {torn[1], torn[1]};
   EXPECT_THAT([&] { (void)nonlinear_filter(model, torn); },
-              ThrowsMessage<InvalidInput>(HasSubstr("between gaps: 1 instants with measurements "
-                                                    "came at most between two gaps, expected at "
-                                                    "least 2")));
+              ThrowsMessage<InvalidInput>(HasSubstr("between gaps: 1 instants with measurements at "
+                                                    "most between two gaps, expected at least 2")));
 }
 
 TEST(RigidBodyFilter, StopsWhenAsked) {
@@ -170,17 +169,17 @@ TEST(RigidBodyFilter, StopsWhenAsked) {
   EXPECT_THROW((void)filter->linearize(start_of(model), [&] { return ++asked == 2; }), Interrupted);
   NoiseTuningOptions options;
   options.fit.starts = 2;
-  for (const int most : {0, 1, 20, 60}) {
-    SCOPED_TRACE(most);
+  for (const int max : {0, 1, 20, 60}) {
+    SCOPED_TRACE(max);
     asked = 0;
-    options.fit.interrupted = [&] { return ++asked > most; };
+    options.fit.interrupted = [&] { return ++asked > max; };
     const NoiseTuning tuning = tune_noise(*filter, options);
     EXPECT_EQ(tuning.fit.status, NoiseFitStatus::interrupted);
     EXPECT_EQ(tuning.verdict, CheckVerdict::fail);
     EXPECT_THAT(tuning.reasons, ::testing::ElementsAre("the fit is interrupted"));
     EXPECT_EQ(tuning.fit.theta.size(), start_of(model).size());
     EXPECT_TRUE(tuning.fit.theta.allFinite());
-    EXPECT_LT(asked, most + 20);
+    EXPECT_LT(asked, max + 20);
   }
 }
 
@@ -214,7 +213,7 @@ TEST(RigidBodyFilter, IsTunedTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.rounds, three.rounds);
 }
 
-TEST(RigidBodyFilter, SaysWhatIsWrong) {
+TEST(RigidBodyFilter, NamesErrors) {
   EXPECT_THAT([] { (void)rigid_body_sensor("rate", "f.toml:3"); },
               ThrowsMessage<InvalidInput>(HasSubstr("f.toml:3: no sensor 'rate', expected one of "
                                                     "tilt, yaw, force, rates, height, position, "
@@ -225,8 +224,8 @@ TEST(RigidBodyFilter, SaysWhatIsWrong) {
             "name = \"x\"\ndynamics = \"rigid-body\"\nvehicle = \"uquad\"\nperiod_s = 1\n",
             "f.toml");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("f.toml:4: period_s came, expected none because the "
-                                            "dynamics are 'rigid-body'")));
+      ThrowsMessage<InvalidInput>(HasSubstr("f.toml:4: period_s is given, expected no such key "
+                                            "because the dynamics are 'rigid-body'")));
 }
 
 TEST(RigidBodyFilter, IsWrittenAndReadBack) {

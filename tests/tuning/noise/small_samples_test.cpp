@@ -17,9 +17,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// What each test says of series of normal numbers is as rare as it says, to the error of so many
-// draws, or rarer: at most that, and not by orders of magnitude.
-TEST(SmallSamples, AreAsRareAsTheySay) {
+// The probabilities that each test states for series of normal numbers are right within the
+// sampling error, or conservative by less than orders of magnitude.
+TEST(SmallSamples, HaveTheStatedProbabilities) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
   constexpr int kDraws = 20000;
@@ -46,12 +46,12 @@ TEST(SmallSamples, AreAsRareAsTheySay) {
   }
 }
 
-TEST(SmallSamples, NameTheRarestCorrelation) {
+TEST(SmallSamples, NameTheLeastProbableCorrelation) {
   const LargestCorrelation found = largest_correlation(Eigen::Vector3d(0.1, -0.95, 0.2), 20);
   EXPECT_EQ(found.lag, 2);
   EXPECT_EQ(found.value, -0.95);
   EXPECT_LT(found.p, 1e-6);
-  // The one beyond which a correlation at a lag of 1 is as rare.
+  // The value beyond which a correlation at a lag of 1 is as improbable.
   const double edge = correlation_exceeded(0.005, 20);
   EXPECT_NEAR(largest_correlation(VectorXd::Constant(1, edge), 20).p, 0.01, 1e-9);
   EXPECT_EQ(largest_correlation(VectorXd::Constant(1, 1.0), 20).p, 0);
@@ -73,8 +73,8 @@ TEST(Tails, AreThoseOfTheirDistributions) {
   EXPECT_NEAR(chi_squared_quantile(0.95, 1), 3.841458820694124, 1e-10);
 }
 
-// What a log makes of them is told, not thrown.
-TEST(Tails, TakeAnyNumber) {
+// Invalid values from a log are reported, not thrown.
+TEST(Tails, AcceptAnyNumber) {
   const double infinity = std::numeric_limits<double>::infinity(), none = std::nan("");
   for (const double degrees : {1.0, 3998.0, 1e7}) {
     EXPECT_EQ(chi_squared_above(infinity, degrees), 0);

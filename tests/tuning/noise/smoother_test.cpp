@@ -118,14 +118,14 @@ TEST(Smoother, OfDiffuseStatesIsALimit) {
   const Rts vague = rts(model, theta, testing::nile());
   EXPECT_THAT(smoothed.x, MatrixNear(vague.x, 1e-3));  // first order in 4000/1e10
   EXPECT_THAT(smoothed.P, MatrixNear(vague.P, 3e-2));
-  // In the middle the variance is the steady one: P Z/(P + Z) of both directions.
+  // In the middle the variance is the steady-state one: P Z/(P + Z) of both directions.
   const double q = 1469.1767, r = 15098.5185;
   const double steady = r / std::sqrt(1 + 4 * r / q);
   EXPECT_NEAR(smoothed.P(0, 50), steady, 1e-6 * steady);
 }
 
-// The likelihood of a record that starts at a known state is a parabola in that state: its top and
-// its width are what is smoothed where nothing was known.
+// The likelihood of a record with a known initial state is a parabola in that state: its maximum
+// and its width are the smoothed state of a diffuse start and its covariance.
 TEST(Smoother, EstimatesTheStateAtTheStart) {
   std::mt19937_64 random(25);
   for (int nx = 1; nx <= 4; ++nx) {
@@ -142,28 +142,28 @@ TEST(Smoother, EstimatesTheStateAtTheStart) {
       record.start = {x, MatrixXd::Zero(nx, nx)};
       return InnovationLikelihood(model, {record}).evaluate(theta).value;
     };
-    const double most = from(x0);
+    const double max = from(x0);
     const MatrixXd deviations = P.llt().matrixL();
-    for (Index d = 0; d < nx; ++d) {  // a standard deviation each way
-      EXPECT_NEAR(from(x0 + deviations.col(d)), most - 0.5, 1e-8) << nx;
-      EXPECT_NEAR(from(x0 - deviations.col(d)), most - 0.5, 1e-8) << nx;
+    for (Index d = 0; d < nx; ++d) {  // one standard deviation in each direction
+      EXPECT_NEAR(from(x0 + deviations.col(d)), max - 0.5, 1e-8) << nx;
+      EXPECT_NEAR(from(x0 - deviations.col(d)), max - 0.5, 1e-8) << nx;
     }
   }
 }
 
-TEST(Smoother, NamesAStateThatItCannotSee) {
+TEST(Smoother, NamesAStateThatIsNotObservable) {
   FilterModel model = testing::discrete_altitude();
-  model.A(0, 1) = 0;  // the speed does not move the height
+  model.A(0, 1) = 0;  // the speed does not affect the height
   std::mt19937_64 random(1);
   const VectorXd theta = start_of(model);
   const FilterRecord record = testing::simulated(model, theta, 20, 0.005, random);
   const SmoothedStates smoothed = smooth(model, theta, record);
   EXPECT_EQ(smoothed.status, SmootherStatus::singular);
   EXPECT_THAT(smoothed.culprit,
-              StrEq("simulated: state 'vz' at 0 s is known exactly or never seen"));
+              StrEq("simulated: state 'vz' at 0 s is known exactly or not observable"));
 }
 
-TEST(Smoother, TakesAModelThatWasLinearizedAtEachInstant) {
+TEST(Smoother, SupportsAModelLinearizedAtEachInstant) {
   std::mt19937_64 random(21);
   FilterModel model = testing::random_model(random, 3, 2, false, false);
   model.Q.fixed.setZero();

@@ -17,13 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using ::testing::HasSubstr;
 
-/// Errors of the states of a made-up height whose noise is taken for `times` as large.
+/// Errors of the states of a simulated height, with a noise that is assumed `times` as large.
 ConsistencyCheck error_of_speed(double times) {
   std::mt19937_64 random(31);
   FilterModel model = testing::discrete_altitude();
   const Eigen::VectorXd theta = start_of(model);
-  // Whose states are known: what is measured, and a second sensor that tells the truth to a record
-  // that no filter sees.
+  // The states are known: those that are measured, and a second sensor with the true state in a
+  // record that the filter does not use.
   FilterModel seen = model;
   FilterSensor& speed = seen.sensors.emplace_back();
   speed.name = "truth";
@@ -41,13 +41,13 @@ ConsistencyCheck error_of_speed(double times) {
   return checks[0];
 }
 
-TEST(ErrorsOfStates, AreWhatTheirCovariancesSay) {
+TEST(ErrorsOfStates, AgreeWithTheirCovariances) {
   const ConsistencyCheck right = error_of_speed(1);
   EXPECT_EQ(right.output, "vz");
   EXPECT_EQ(right.verdict, CheckVerdict::pass);
   EXPECT_LT(right.low, right.value);
   EXPECT_GT(right.high, right.value);
-  // Errors last for the filter's time constant, so that the band is wide.
+  // Errors are correlated over the time constant of the filter, so the interval is wide.
   EXPECT_GT(right.high, 1.1);
   const ConsistencyCheck small = error_of_speed(0.2);
   EXPECT_EQ(small.verdict, CheckVerdict::fail);
@@ -55,8 +55,8 @@ TEST(ErrorsOfStates, AreWhatTheirCovariancesSay) {
   EXPECT_THAT(small.reason, HasSubstr("vz: the squared error is"));
 }
 
-// An error that stays as it is over a whole record is one error, however many instants it has.
-TEST(ErrorsOfStates, AreOneWhereTheyStayAsTheyAre) {
+// A constant error over a whole record counts as one error, however many instants there are.
+TEST(ErrorsOfStates, CountAsOneIfConstant) {
   const FilterModel model = testing::discrete_altitude();
   FilterRecord record;
   record.truth = MatrixXd::Zero(2, 5000);
@@ -65,14 +65,14 @@ TEST(ErrorsOfStates, AreOneWhereTheyStayAsTheyAre) {
   run.x_variance = MatrixXd::Ones(2, 5000);
   for (const ConsistencyCheck& check : check_errors(model, {record}, {run})) {
     EXPECT_EQ(check.value, 4);
-    // Two standard deviations come by chance in 4.6 % of all cases.
+    // Two standard deviations are exceeded by chance in 4.6 % of all cases.
     EXPECT_NEAR(check.p, 0.0455, 0.01);
     EXPECT_EQ(check.verdict, CheckVerdict::pass);
   }
 }
 
-// Of errors e[k+1] = ρ e[k] + noise, n (1 - ρ²)/(1 + ρ²) count.
-TEST(ErrorsOfStates, CountByTheirAutocorrelation) {
+// For errors e[k+1] = ρ e[k] + noise the effective number is n (1 - ρ²)/(1 + ρ²).
+TEST(ErrorsOfStates, CountAccordingToTheirAutocorrelation) {
   const FilterModel model = testing::discrete_altitude();
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -87,7 +87,7 @@ TEST(ErrorsOfStates, CountByTheirAutocorrelation) {
       for (Index i = 0; i < 2; ++i)
         run.x(i, k) = rho * run.x(i, k - 1) + std::sqrt(1 - rho * rho) * normal(random);
     const ConsistencyCheck check = check_errors(model, {record}, {run})[0];
-    // Of χ²/f, where f is large, the band is 1 ± z √(2/f): its width tells f.
+    // For χ²/f with a large f the interval is 1 ± z √(2/f): f follows from its width.
     ConsistencyOptions options;
     const double z = internal::normal_exceeded(0.5 * options.significance);
     const double counted = 8 * z * z / std::pow(check.high - check.low, 2);
@@ -96,7 +96,7 @@ TEST(ErrorsOfStates, CountByTheirAutocorrelation) {
   }
 }
 
-/// Records and runs of so many states over N instants, all zero, the truth told.
+/// Records and runs of this many states over N instants, all zero, with known true values.
 struct MadeUp {
   std::vector<FilterRecord> records{1};
   std::vector<FilterRun> runs{1};
@@ -124,8 +124,8 @@ TEST(ComparedErrors, AreRootMeanSquares) {
   EXPECT_NEAR(accuracy[0].after, 1, 1e-12);
 }
 
-// The same errors differ by chance, twice as large ones do not.
-TEST(ComparedErrors, TellChanceFromChange) {
+// Equal errors differ by chance only; twice as large ones differ significantly.
+TEST(ComparedErrors, DistinguishChanceFromChange) {
   const FilterModel model = testing::discrete_altitude();
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -144,7 +144,7 @@ TEST(ComparedErrors, TellChanceFromChange) {
   }
 }
 
-// Turns of the same 0.1 rad about one axis before, 0.3 and 0.4 about two at right angles after.
+// Rotations of 0.1 rad about one axis before, of 0.3 and 0.4 about two perpendicular axes after.
 TEST(ComparedErrors, OfAnAttitudeAreItsAngle) {
   const FilterModel model = load_filter_model("inertial");
   MadeUp before(15, 3), after(15, 3);

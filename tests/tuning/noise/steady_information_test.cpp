@@ -31,8 +31,8 @@ MatrixXd random_matrix(std::mt19937_64& random) {
   return MatrixXd::NullaryExpr(kSize, kSize, [&] { return normal(random); });
 }
 
-// Doubling gives what going step by step gives, whatever the number of steps, the start and how
-// fast it is forgotten.
+// Doubling agrees with single steps, whatever the number of steps, the start and how fast its
+// effect decays.
 TEST(SteadyInformation, IsTheSumOfItsSteps) {
   std::mt19937_64 random(4);
   for (const double radius : {0.2, 0.9, 0.999, 1.0})
@@ -40,7 +40,7 @@ TEST(SteadyInformation, IsTheSumOfItsSteps) {
       MatrixXd A = random_matrix(random);
       A *= radius / A.eigenvalues().cwiseAbs().maxCoeff();
       MatrixXd factor = random_matrix(random);
-      factor.rightCols(kSize / 2).setZero();  // some directions learn nothing of a step
+      factor.rightCols(kSize / 2).setZero();  // some directions gain no information in a step
       const MatrixXd W = factor * factor.transpose();
       factor = random_matrix(random);
       const MatrixXd start =

@@ -47,7 +47,7 @@ class Description {
     std::erase(free_, i);
   }
 
-  /// Variances that ended at zero, or so near that nothing is lost there.
+  /// Finds variances that ended at zero, or so close that setting them to zero costs nothing.
   void find_zeros(const LeastSquares& solution) {
     for (const int i : std::vector<int>(free_))
       if (solution.at_zero[static_cast<std::size_t>(i)]) to_zero(i);
@@ -73,7 +73,7 @@ class Description {
       p.value = p.low = 0;
       const double high = edge(i, 2 * options_.confidence - 1, +1);
       p.high = std::exp(high);
-      // A number that has a logarithm, and makes no difference.
+      // A value that has a logarithm and no effect.
       fit_.theta(i) = (std::isfinite(high) ? high : start_of(model_)(i)) - 30;
     }
     if (p.verdict != ParameterVerdict::seen) return;
@@ -85,12 +85,12 @@ class Description {
     }
     p.low = logarithmic ? std::exp(low) : low;
     p.high = logarithmic ? std::exp(high) : high;
-    // The misfit may not grow so far on the way to zero.
+    // The misfit may not reach this value before the variance is zero.
     if (logarithmic && std::isnan(p.low)) p.low = 0;
   }
 
-  /// Where the least misfit over all other parameters has grown by half the quantile of χ² of one
-  /// degree.
+  /// The point at which the minimum misfit over all other parameters has grown by half the quantile
+  /// of χ² with one degree of freedom.
   double edge(int i, double confidence, int side) {
     const double z = deviations(confidence);
     std::vector<int> others = free_;
@@ -123,7 +123,8 @@ void describe(const AutocovarianceProblem& problem, const FilterModel& model,
               const std::vector<int>& free, AutocovarianceFit& fit) {
   fit.status =
       solution.converged ? AutocovarianceStatus::solved : AutocovarianceStatus::not_converged;
-  if (!solution.converged) fit.culprit = "the least squares ended at their limit of iterations";
+  if (!solution.converged)
+    fit.culprit = "the least squares reached the maximum number of iterations";
   Description(problem, model, options, solution, free, fit).run(solution);
 }
 

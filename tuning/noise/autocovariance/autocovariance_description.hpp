@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What autocovariances say of each parameter, and how well.
+/// Estimates of the parameters from autocovariances, with their uncertainty.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,9 @@
 
 namespace quadtune::internal {
 
-/// Fills in what follows from a solution: status, θ, intervals, verdicts, what is not seen.
-/// @param free  parameters that were found
+/// Computes the results that follow from a solution: status, θ, intervals, verdicts, undetermined
+/// directions.
+/// @param free  indices of the estimated parameters
 void describe(const AutocovarianceProblem& problem, const FilterModel& model,
               const AutocovarianceOptions& options, const LeastSquares& solution,
               const std::vector<int>& free, AutocovarianceFit& fit);

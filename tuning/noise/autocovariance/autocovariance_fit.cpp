@@ -30,19 +30,19 @@ using internal::AutocovarianceProblem;
 using internal::LeastSquares;
 using internal::SampledModel;
 
-/// Samples that a stretch must have.
-constexpr Index kLeastStretch = 30;
-/// Outputs that the moments' covariance is worked out for.
-constexpr Index kMostOutputs = 24;
-/// Moments, and samples that autocovariances are looked at over, of one output.
-constexpr Index kMostMoments = 800;
-constexpr Index kMostLags = 400;
-constexpr Index kLongestGamma = 2000;
-/// Between passes: distance in standard deviations, and change of the logarithms that the gain is
-/// chosen for, at which it is chosen well enough.
+/// Minimum number of samples of a stretch.
+constexpr Index kMinStretch = 30;
+/// Maximum number of outputs for which the covariance of the moments is computed.
+constexpr Index kMaxOutputs = 24;
+/// Maximum number of moments, and maximum lag in samples of the autocovariances of one output.
+constexpr Index kMaxMoments = 800;
+constexpr Index kMaxLags = 400;
+constexpr Index kMaxGamma = 2000;
+/// Convergence of the passes: distance between their results in standard deviations, and change of
+/// the logarithms for which the gain is designed.
 constexpr double kSame = 0.1;
 constexpr double kSameDesign = 0.7;
-/// Weightings within a pass.
+/// Number of reweightings within a pass.
 constexpr int kWeightings = 2;
 
 void check(const AutocovarianceOptions& options) {
@@ -57,10 +57,10 @@ void check(const AutocovarianceOptions& options) {
           "more than 0 and less than 1");
 }
 
-/// A stable gain's, or an error.
+/// Validates that the gain is stable.
 void check_gain(const SampledModel& sampled, const MatrixXd& M) {
   require_shape(M, sampled.F.rows(), sampled.C.rows(), "autocovariances", "M",
-                "one row a state, one column an output");
+                "one row per state, one column per output");
   require_finite(M, "autocovariances", "M");
   const MatrixXd closed = sampled.F - sampled.F * M * sampled.C;
   const double radius = closed.eigenvalues().cwiseAbs().maxCoeff();
@@ -88,12 +88,12 @@ std::vector<Index> all_outputs(const FilterModel& model) {
   return outputs;
 }
 
-/// What θ says of the innovations' autocovariances, as far as there is something.
+/// The autocovariances of the innovations that θ predicts, up to the lag at which they vanish.
 std::vector<MatrixXd> gamma_at(const SampledModel& sampled, const MatrixXd& M,
                                const VectorXd& theta) {
   const auto [Q, R] = internal::noise_at(sampled, theta);
-  std::vector<MatrixXd> gamma = internal::autocovariances(
-      sampled, M, Q, R, static_cast<int>(kLongestGamma / sampled.C.rows()));
+  std::vector<MatrixXd> gamma =
+      internal::autocovariances(sampled, M, Q, R, static_cast<int>(kMaxGamma / sampled.C.rows()));
   if (gamma.empty()) return gamma;
   const VectorXd size = gamma[0].diagonal().cwiseSqrt().cwiseInverse();
   const auto is_small = [&](const MatrixXd& of) {
@@ -114,29 +114,30 @@ class Fit {
     for (const FilterSensor& sensor : model_.sensors)
       if (sensor.student != 0)
         return fail(AutocovarianceStatus::not_computed,
-                    fmt::format("errors of {} have Student's distribution, autocovariances take "
-                                "normal ones",
+                    fmt::format("errors of {} have Student's distribution; autocovariances require "
+                                "normal errors",
                                 sensor.name));
     for (const FilterRecord& record : records)
       if (!record.linearized.empty())
-        return fail(AutocovarianceStatus::no_uniform_stretch,
-                    "the model changes from instant to instant, autocovariances take one model");
+        return fail(
+            AutocovarianceStatus::no_uniform_stretch,
+            "the model changes from instant to instant; autocovariances require a constant model");
     const std::string constant = internal::constant_measurement(model_, records);
     if (!constant.empty()) return fail(AutocovarianceStatus::not_computed, constant);
     const internal::UniformStretches uniform = internal::find_uniform_stretches(model_, records);
-    if (uniform.typical < kLeastStretch) return no_stretch(uniform);
+    if (uniform.typical < kMinStretch) return no_stretch(uniform);
     const auto ny = static_cast<Index>(uniform.outputs.size());
-    if (ny > kMostOutputs)
+    if (ny > kMaxOutputs)
       return fail(AutocovarianceStatus::not_computed,
-                  fmt::format("{} outputs are measured, autocovariances take at most {}", ny,
-                              kMostOutputs));
+                  fmt::format("{} outputs are measured; autocovariances support at most {}", ny,
+                              kMaxOutputs));
     sampled_ = internal::sample_model(model_, uniform.dt, uniform.outputs);
     for (int pass = 0; pass < options_.passes; ++pass) {
       if (options_.interrupted && options_.interrupted()) throw Interrupted();
       const auto [Q, R] = internal::noise_at(sampled_, design_);
       if (!Q.allFinite() || !R.allFinite())
         return fail(AutocovarianceStatus::not_computed,
-                    "the covariances leave the range of a double");
+                    "the covariances exceed the range of a double");
       const internal::SteadyGain gain =
           internal::steady_gain(sampled_, model_, Q, R, uniform.typical / 5);
       if (!gain.found) {
@@ -145,15 +146,15 @@ class Fit {
       }
       const auto last = std::clamp<Index>(
           gain.memory, std::min<Index>(options_.lags, uniform.typical / 4),
-          std::min(uniform.typical / 4, std::max<Index>(options_.lags, kMostLags / ny)));
+          std::min(uniform.typical / 4, std::max<Index>(options_.lags, kMaxLags / ny)));
       auto sample = internal::sample_autocovariances(sampled_, model_, records, uniform, gain,
                                                      static_cast<int>(last));
-      if (sample.pairs[0] < static_cast<double>(kLeastStretch)) {
+      if (sample.pairs[0] < static_cast<double>(kMinStretch)) {
         if (pass > 0) break;
-        return fail(
-            AutocovarianceStatus::no_uniform_stretch,
-            fmt::format("the predictor remembers {} samples or more, the stretches have about {}",
-                        gain.memory, uniform.typical));
+        return fail(AutocovarianceStatus::no_uniform_stretch,
+                    fmt::format("the memory of the predictor is at least {} samples, but the "
+                                "stretches have about {}",
+                                gain.memory, uniform.typical));
       }
       fit_.innovation = {uniform.dt, gain.M, std::move(sample.of), std::move(sample.pairs)};
       const VectorXd before = theta_;
@@ -185,19 +186,21 @@ class Fit {
   }
 
   AutocovarianceFit no_stretch(const internal::UniformStretches& uniform) {
-    return fail(AutocovarianceStatus::no_uniform_stretch,
-                fmt::format("no stretch of one sample time with all measurements each time is of "
-                            "{} samples or more, as autocovariances need: {}",
-                            kLeastStretch, uniform.culprit));
+    return fail(
+        AutocovarianceStatus::no_uniform_stretch,
+        fmt::format(
+            "no stretch with a constant sample time and all measurements at each sample has "
+            "the {} samples or more that autocovariances require: {}",
+            kMinStretch, uniform.culprit));
   }
 
-  /// The least squares of the innovations that are at hand, with weights by what they find.
+  /// Solves the least squares for the current innovations, with weights from its own results.
   bool solve(bool first) {
     const InnovationAutocovariances& e = fit_.innovation;
     const Index ny = sampled_.C.rows();
     const auto groups = internal::lag_groups(
         static_cast<int>(e.of.size()) - 1,
-        static_cast<int>(std::clamp<Index>(kMostMoments / (ny * ny), 1, options_.lags)));
+        static_cast<int>(std::clamp<Index>(kMaxMoments / (ny * ny), 1, options_.lags)));
     for (Index i = 0; i < ny; ++i)
       if (!(e.of[0](i, i) > 0) || !std::isfinite(e.of[0](i, i))) {
         fail(AutocovarianceStatus::not_computed,
@@ -210,7 +213,8 @@ class Fit {
       }
     const internal::MomentMap map = internal::moment_map(sampled_, e.M, groups);
     if (map.constant.size() == 0) {
-      fail(AutocovarianceStatus::no_gain, "the predictor's error has no steady covariance");
+      fail(AutocovarianceStatus::no_gain,
+           "the error of the predictor has no steady-state covariance");
       return false;
     }
     if (first) find_free(map);
@@ -225,14 +229,14 @@ class Fit {
       solution_ = problem_->solve(design_, free_);
       theta_ = solution_.theta;
       if (!theta_.allFinite() || !std::isfinite(solution_.cost)) {
-        fail(AutocovarianceStatus::not_computed, "the least squares leave the range of a double");
+        fail(AutocovarianceStatus::not_computed, "the least squares exceed the range of a double");
         return false;
       }
     }
     return true;
   }
 
-  /// What is free, and what no measurement depends on.
+  /// Determines the free parameters, and those on which no measurement depends.
   void find_free(const internal::MomentMap& map) {
     const int count = static_cast<int>(model_.parameters.size());
     std::vector<bool> used(model_.parameters.size(), false);
@@ -259,8 +263,8 @@ class Fit {
     }
   }
 
-  /// θ for the next gain: of variances that are found to be zero, or nearly, what the log could
-  /// still hide.
+  /// Sets θ for the design of the next gain. A variance that is zero or nearly zero is set to the
+  /// largest value that the log does not exclude.
   /// @return  the largest change
   double set_design() {
     const VectorXd before = design_;
@@ -288,8 +292,8 @@ class Fit {
   const FilterModel& model_;
   const AutocovarianceOptions& options_;
   SampledModel sampled_;
-  VectorXd theta_;   // found
-  VectorXd design_;  // that the gain is of
+  VectorXd theta_;   // the result
+  VectorXd design_;  // the θ for which the gain is designed
   std::vector<int> free_;
   std::optional<AutocovarianceProblem> problem_;
   LeastSquares solution_;
@@ -315,7 +319,7 @@ AutocovarianceFit fit_autocovariances(const FilterModel& model,
                                       const AutocovarianceOptions& options) {
   check(options);
   validate(model, "filter model");
-  if (records.empty()) throw InvalidInput("logs", "none came, expected at least one");
+  if (records.empty()) throw InvalidInput("logs", "there are none; expected at least one");
   for (const FilterRecord& record : records) validate(record, model, record.name);
   return Fit(model, options).of_records(records);
 }
@@ -329,16 +333,17 @@ AutocovarianceFit fit_autocovariances(const FilterModel& model,
   const Index ny = model.outputs();
   if (given.of.empty() || given.pairs.size() != given.of.size())
     throw InvalidInput("autocovariances",
-                       fmt::format("{} lags and {} counts of pairs came, expected one count a lag "
-                                   "and lag 0 at least",
+                       fmt::format("{} lags and {} counts of pairs; expected one count per lag "
+                                   "and at least lag 0",
                                    given.of.size(), given.pairs.size()));
   for (std::size_t j = 0; j < given.of.size(); ++j) {
     require_shape(given.of[j], ny, ny, "autocovariances", fmt::format("lag {}", j),
-                  "one row and column an output");
+                  "one row and column per output");
     require_finite(given.of[j], "autocovariances", fmt::format("lag {}", j));
     if (!(given.pairs[j] > 0))
-      throw InvalidInput("autocovariances",
-                         fmt::format("lag {} is of {} pairs, expected more", j, given.pairs[j]));
+      throw InvalidInput(
+          "autocovariances",
+          fmt::format("lag {} has {} pairs; expected a positive number", j, given.pairs[j]));
   }
   return Fit(model, options).of_given(given);
 }
@@ -362,8 +367,8 @@ NoiseFit as_noise_fit(const AutocovarianceFit& fit, const InnovationLikelihood& 
     result.status = NoiseFitStatus::not_computed;
   if (result.status == NoiseFitStatus::converged && !result.after.computed()) {
     result.status = NoiseFitStatus::not_computed;
-    result.culprit = result.after.culprit.empty() ? "the likelihood is not a number at what "
-                                                    "autocovariances find"
+    result.culprit = result.after.culprit.empty() ? "the likelihood is not a number at the result "
+                                                    "of the autocovariances"
                                                   : result.after.culprit;
   }
   return result;
@@ -376,7 +381,7 @@ std::vector<MatrixXd> innovation_autocovariances(const FilterModel& model, doubl
   validate(model, "filter model");
   check_period(model, dt);
   require_shape(theta, static_cast<Index>(model.parameters.size()), 1, "autocovariances", "theta",
-                "one entry a parameter");
+                "one entry per parameter");
   require_finite(theta, "autocovariances", "theta");
   if (lags < 0)
     throw InvalidInput("autocovariances", fmt::format("lags is {}, expected 0 or more", lags));

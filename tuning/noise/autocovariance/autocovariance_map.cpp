@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Rows and columns of a covariance of one sensor, at the places of its outputs among those in use.
+/// Inserts the covariance of one sensor at the indices of its outputs among those in use.
 MatrixXd placed(const MatrixXd& of_sensor, Index first, const std::vector<Index>& outputs) {
   const auto ny = static_cast<Index>(outputs.size());
   MatrixXd result = MatrixXd::Zero(ny, ny);
@@ -58,7 +58,7 @@ void add_sensor_terms(const FilterSensor& sensor, Index first, SampledModel& sam
       }
 }
 
-/// Covariance of the prediction's error; empty where F (I - M C) is not stable.
+/// Covariance of the prediction error; empty if F (I - M C) is not stable.
 MatrixXd prediction_covariance(const SampledModel& model, const MatrixXd& M, const MatrixXd& Q,
                                const MatrixXd& R) {
   const MatrixXd L = model.F * M;
@@ -235,7 +235,7 @@ MomentMap moment_map(const SampledModel& model, const MatrixXd& M, const LagGrou
     if (P.size() == 0) return {};
     const auto column = static_cast<Index>(t);
     map.of.col(column) = moments_of(autocovariances_of(model, M, P, term.R, lags), groups);
-    // What is left by rounding is not there.
+    // Set contributions that are only rounding errors to zero.
     const MatrixXd size = model.C.cwiseAbs() * P.cwiseAbs() * model.C.cwiseAbs().transpose();
     if (term.R.isZero(0) && map.of.col(column).cwiseAbs().maxCoeff() <= 1e-13 * size.maxCoeff())
       map.of.col(column).setZero();

@@ -17,15 +17,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Share of the most that is known of a combination of variances below which nothing is.
+/// Combinations of variances with less information than this share of the maximum count as
+/// undetermined.
 constexpr double kDeficient = 1e-8;
-/// Pull of a logarithm to where it starts, in standard deviations an e-fold, where the moments do
-/// not hold it: so little that it is not taken for something seen.
+/// Weight of a prior that pulls a logarithm to its start if the moments do not determine it, in
+/// standard deviations per e-fold: too small to count as information.
 constexpr double kPull = 0.01;
-/// Gradient, in standard deviations, at which the least squares are solved.
+/// Gradient, in standard deviations, at which the least squares have converged.
 constexpr double kSolved = 1e-4;
 
-/// r(z), for plain numbers and for jets.
+/// r(z), for numbers and for automatic derivatives (jets).
 struct Residuals {
   const SampledModel& sampled;
   const MatrixXd& map;
@@ -104,7 +105,8 @@ std::pair<VectorXd, MatrixXd> linearized(const Residuals& residuals, const Vecto
   return {r, J};
 }
 
-/// Whether the gradient of ½ r², in standard deviations, is as good as zero for all that may move.
+/// Whether the gradient of ½ r², in standard deviations, is negligible for all parameters that are
+/// not held at a bound.
 bool is_still(const Residuals& residuals, const VectorXd& z) {
   const auto [r, J] = linearized(residuals, z);
   if (!r.allFinite() || !J.allFinite()) return false;
@@ -126,7 +128,8 @@ AutocovarianceProblem::AutocovarianceProblem(const SampledModel& sampled, const 
       model_(model),
       linear_(model.parameters.size(), true),
       vague_(model.parameters.size(), false) {
-  // Autocovariances of a slow predictor are nearly dependent: a ridge where the factor needs one.
+  // The autocovariances of a slow predictor are nearly dependent: add a ridge if the factorization
+  // requires one.
   const VectorXd size = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd correlation = size.asDiagonal() * covariance * size.asDiagonal();
   Eigen::LLT<MatrixXd> factor;
@@ -157,7 +160,7 @@ AutocovarianceProblem::AutocovarianceProblem(const SampledModel& sampled, const 
     if (linear_[k] && norm > 0 && !model.parameters[k].fixed) told.push_back(static_cast<int>(i));
   }
   if (told.empty()) return;
-  // Variances of which only a combination is seen stay positive, near where they started.
+  // Variances of which only a combination is determined stay positive, close to their start.
   const MatrixXd seen = columns(Eigen::all, told);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(seen.transpose() * seen);
   for (Index q = 0; q < seen.cols(); ++q) {
@@ -174,8 +177,8 @@ AutocovarianceProblem::AutocovarianceProblem(const SampledModel& sampled, const 
 LeastSquares AutocovarianceProblem::solve(const VectorXd& theta,
                                           const std::vector<int>& free) const {
   LeastSquares result = search(theta, free);
-  // Along a bound the search creeps: what ended there is held there while the others are found, and
-  // let go again if it wants to leave.
+  // The search is slow along a bound: parameters that ended there are held there while the others
+  // are computed, and released again if the gradient points inwards.
   for (int round = 0; !result.converged && round < 4; ++round) {
     std::vector<int> others;
     for (const int i : free)

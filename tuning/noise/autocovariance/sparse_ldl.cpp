@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 struct SparseLdl::Parts {
   cholmod_common common{};
   cholmod_factor* factor = nullptr;
-  SparseMatrix<double> L;  ///< unit lower triangular, its diagonal left out
+  SparseMatrix<double> L;  ///< unit lower triangular, without its diagonal
   VectorXd D;
   bool factored = false;
   Index bad_row = 0;
@@ -37,7 +37,7 @@ struct SparseLdl::Parts {
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
 
-  /// Copies the factor out; CHOLMOD keeps D on the diagonal of L.
+  /// Copies the factor; CHOLMOD stores D on the diagonal of L.
   void take_factor() {
     const auto n = static_cast<Index>(factor->n);
     const auto* start = static_cast<const int*>(factor->p);
@@ -104,8 +104,8 @@ VectorXd SparseLdl::solve(const VectorXd& b) const {
 double SparseLdl::log_determinant() const { return parts_->D.cwiseAbs().array().log().sum(); }
 
 SparseMatrix<double> SparseLdl::inverse_on_pattern() const {
-  // Z = D⁻¹ L⁻¹ + (I - Lᵀ) Z: from the last column on, each entry from those below and to the
-  // right.
+  // Z = D⁻¹ L⁻¹ + (I - Lᵀ) Z: from the last column backwards, each entry follows from those below
+  // and to the right.
   const SparseMatrix<double>& L = parts_->L;
   const Index n = L.rows();
   SparseMatrix<double> Z(n, n);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// L D Lᵀ of a symmetric sparse matrix in the order given, by CHOLMOD, with the entries of the
-/// inverse on the pattern of L.
+/// Factorization L D Lᵀ of a symmetric sparse matrix in the given order, by CHOLMOD, with the
+/// entries of the inverse on the pattern of L.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,8 @@ class SparseLdl {
   SparseLdl(const SparseLdl&) = delete;
   SparseLdl& operator=(const SparseLdl&) = delete;
 
-  /// False where a pivot was zero or not finite; then nothing else may be called.
+  /// False if a pivot was zero or not finite; then no other function may be called except
+  /// bad_row().
   [[nodiscard]] bool factored() const;
   /// Row of the first such pivot.
   [[nodiscard]] Eigen::Index bad_row() const;

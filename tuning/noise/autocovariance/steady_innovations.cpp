@@ -18,29 +18,30 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of an innovation's standard deviation: what the start may still do to it.
+/// Largest remaining effect of the initial state, relative to the standard deviation of an
+/// innovation.
 constexpr double kForgotten = 0.02;
-/// Samples from which a stretch's initial state is found at most.
-constexpr Index kMostOfStart = 20000;
+/// Maximum number of samples from which the initial state of a stretch is estimated.
+constexpr Index kMaxOfStart = 20000;
 
 MatrixXd root_of(const MatrixXd& P) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(P);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
-/// Samples until S^-½ C (F (I - M C))ⁿ P^½ is small; `most` + 1 where it takes longer.
+/// Number of samples until S^-½ C (F (I - M C))ⁿ P^½ is small; `most` + 1 if it takes longer.
 Index memory_of(const SampledModel& model, const MatrixXd& M, const MatrixXd& P, const MatrixXd& S,
-                Index most) {
+                Index max) {
   const Eigen::LLT<MatrixXd> factor(S);
-  if (factor.info() != Eigen::Success) return most + 1;
+  if (factor.info() != Eigen::Success) return max + 1;
   const MatrixXd root = root_of(P);
   const MatrixXd closed = model.F - model.F * M * model.C;
   MatrixXd seen = factor.matrixL().solve(model.C);
-  for (Index n = 0; n <= most; ++n) {
+  for (Index n = 0; n <= max; ++n) {
     if ((seen * root).norm() <= kForgotten) return n;
     seen = (seen * closed).eval();
   }
-  return most + 1;
+  return max + 1;
 }
 
 /// One step of time between two instants of a record.
@@ -48,7 +49,7 @@ struct Step {
   MatrixXd F, B;
 };
 
-/// Steps by their length, each worked out once.
+/// Steps by their length; each is computed once.
 class Steps {
  public:
   explicit Steps(const FilterModel& model) : model_(model) {}
@@ -80,7 +81,7 @@ class Predictor {
             const std::vector<FilterRecord>& records, const SteadyGain& gain)
       : sampled_(sampled), records_(records), gain_(gain), steps_(model) {}
 
-  /// (ny × samples) from the state x before the first measurement.
+  /// Innovations (ny × samples) from the state x before the first measurement.
   SampleMatrix innovations(const UniformStretch& stretch, VectorXd x) {
     const FilterRecord& record = records_[stretch.record];
     const auto ny = sampled_.C.rows();
@@ -107,11 +108,11 @@ class Predictor {
     return e;
   }
 
-  /// The state before the first measurement for which the first innovations are smallest.
+  /// Estimates the state before the first measurement by minimizing the first innovations.
   VectorXd start(const UniformStretch& stretch) {
     const auto nx = sampled_.F.rows(), ny = sampled_.C.rows();
     UniformStretch first = stretch;
-    first.samples = std::min({stretch.samples, kMostOfStart, std::max(gain_.memory, nx)});
+    first.samples = std::min({stretch.samples, kMaxOfStart, std::max(gain_.memory, nx)});
     if (first.samples < stretch.samples) first.last = instant_of(stretch, first.samples);
     const Eigen::LLT<MatrixXd> S(gain_.S);
     MatrixXd e = innovations(first, VectorXd::Zero(nx));
@@ -127,7 +128,7 @@ class Predictor {
   }
 
  private:
-  /// Of the measurement of that number.
+  /// The instant of the measurement with this number.
   Index instant_of(const UniformStretch& stretch, Index number) const {
     Index k = stretch.first;
     for (Index n = 0;; ++k) {
@@ -145,14 +146,16 @@ class Predictor {
 }  // namespace
 
 SteadyGain steady_gain(const SampledModel& sampled, const FilterModel& model, const MatrixXd& Q,
-                       const MatrixXd& R, Index most) {
+                       const MatrixXd& R, Index max) {
   SteadyGain best;
   for (int attempt = 0; attempt < 6; ++attempt) {
-    // Of the model α F the closed loop's poles are inside the unit circle, so those of F inside
-    // 1/α (Anderson and Moore 1979): α is from what is to be forgotten after so many samples.
-    const double alpha = attempt == 0 ? 1
-                                      : std::exp(-std::log(kForgotten) * std::pow(2, attempt - 1) /
-                                                 static_cast<double>(most));
+    // With the model α F, the poles of the closed loop are inside the unit circle, so those with F
+    // are inside 1/α (Anderson and Moore 1979). α follows from the required decay within this
+    // number of samples.
+    const double alpha =
+        attempt == 0
+            ? 1
+            : std::exp(-std::log(kForgotten) * std::pow(2, attempt - 1) / static_cast<double>(max));
     DiscreteLti hastened;
     hastened.A = alpha * sampled.F;
     hastened.C = sampled.C;
@@ -165,9 +168,9 @@ SteadyGain steady_gain(const SampledModel& sampled, const FilterModel& model, co
       continue;
     }
     const MatrixXd S = sampled.C * filter.P * sampled.C.transpose() + R;
-    const Index memory = memory_of(sampled, filter.M, filter.P, S, most);
+    const Index memory = memory_of(sampled, filter.M, filter.P, S, max);
     if (!best.found || memory < best.memory) best = {true, filter.M, S, memory, {}};
-    if (memory <= most) break;
+    if (memory <= max) break;
   }
   return best;
 }

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Part of the period by which a step of a continuous model may differ from it: the innovations are
-/// formed with each step's own length, and only their theory takes them for alike.
+/// Largest deviation of a step of a continuous model from the period, as a share: the innovations
+/// are computed with the length of each step, and only their theory assumes equal steps.
 constexpr double kJitter = 0.05;
 
 enum class Measured { nothing, part, all };
@@ -36,8 +36,8 @@ std::vector<Index> measured_outputs(const FilterModel& model,
   return outputs;
 }
 
-/// f(k, step) for each instant of all outputs; step is the time since the one before, 0 where
-/// anything else was measured since.
+/// Calls f(k, step) for each instant with all outputs; step is the time since the previous one, 0
+/// if anything else was measured in between.
 template <class Function>
 void each_sample(const FilterRecord& record, const std::vector<Index>& outputs, Function&& f) {
   Index before = -1;
@@ -54,7 +54,7 @@ void each_sample(const FilterRecord& record, const std::vector<Index>& outputs, 
   }
 }
 
-/// The mean of the steps about their median.
+/// The mean of the steps close to their median.
 double period_of(const FilterModel& model, Samples& steps) {
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
@@ -107,8 +107,8 @@ UniformStretches find_uniform_stretches(const FilterModel& model,
     found.culprit = "nothing is measured";
     return found;
   }
-  found.culprit = fmt::format("all measurements come together {} times ({})", together,
-                              why_parted(model, records, found.outputs));
+  found.culprit = fmt::format("all outputs are measured at the same instant {} times ({})",
+                              together, why_parted(model, records, found.outputs));
   if (steps.empty()) return found;
   found.dt = period_of(model, steps);
   const double jitter = model.dt > 0 ? 0.5 * model.dt : kJitter * found.dt;
@@ -127,7 +127,7 @@ UniformStretches find_uniform_stretches(const FilterModel& model,
     });
   }
   if (2 * alike < static_cast<Index>(steps.size()))
-    found.culprit = fmt::format("of {} steps from one measurement to the next {} are of {:.4g} s",
+    found.culprit = fmt::format("of {} steps from one measurement to the next, {} have {:.4g} s",
                                 steps.size(), alike, found.dt);
   std::vector<Index> lengths;
   lengths.reserve(found.stretches.size());

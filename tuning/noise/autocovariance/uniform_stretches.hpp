@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where in logs all sensors come together, again and again after the same time.
+/// Stretches of logs in which all sensors are measured simultaneously and periodically.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,19 +13,19 @@
 namespace quadtune::internal {
 
 /// Instants first … last of a record: at both, and every dt seconds in between, all outputs in use
-/// are measured. At instants between these an input changes.
+/// are measured. At other instants in between only inputs change.
 struct UniformStretch {
   std::size_t record = 0;
   Eigen::Index first = 0, last = 0;
-  Eigen::Index samples = 0;  ///< of all outputs
+  Eigen::Index samples = 0;  ///< number of samples, each of all outputs
 };
 
 struct UniformStretches {
   double dt = 0;                      ///< [s]
-  std::vector<Eigen::Index> outputs;  ///< in use: measured at all
+  std::vector<Eigen::Index> outputs;  ///< outputs in use: measured at least once
   std::vector<UniformStretch> stretches;
-  Eigen::Index typical = 0;  ///< half of all samples are in stretches of so many or more
-  std::string culprit;       ///< why they are short, where they are
+  Eigen::Index typical = 0;  ///< half of all samples are in stretches of at least this length
+  std::string culprit;       ///< why they are short, if they are
 };
 
 [[nodiscard]] UniformStretches find_uniform_stretches(const FilterModel& model,

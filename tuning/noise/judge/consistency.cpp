@@ -17,13 +17,13 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Size, whiteness, mean and normality.
+/// Number of checks of one output: size, whiteness, mean and normality.
 constexpr Index kChecksAnOutput = 4;
 
 /// Standardized innovations of one output, record by record.
 using Series = std::vector<Samples>;
 
-/// The normal deviate that is as rare as a Student's.
+/// The normal deviate with the same probability as a deviate of Student's distribution.
 double normal_score(double t, double student) {
   const double beyond = internal::student_above(std::abs(t), student);
   if (!(beyond > 1e-300)) return std::isnan(t) ? t : std::copysign(37.0, t);
@@ -64,7 +64,7 @@ InnovationStatistics statistics_of(const Series& series, const std::string& name
   s.mean = mean_of(series, [](double z) { return z; });
   s.size = mean_of(series, [](double z) { return z * z; });
   const double m2 = mean_of(series, [&](double z) { return std::pow(z - s.mean, 2); });
-  // Nothing moves but for rounding, or the numbers left the range of a double.
+  // The series is constant up to rounding, or exceeds the range of a double.
   if (!(m2 > 1e-20 * s.size) || !std::isfinite(m2)) return s;
   const double m3 = mean_of(series, [&](double z) { return std::pow(z - s.mean, 3); });
   const double m4 = mean_of(series, [&](double z) { return std::pow(z - s.mean, 4); });
@@ -87,9 +87,9 @@ InnovationStatistics statistics_of(const Series& series, const std::string& name
   return s;
 }
 
-/// The checks of one output after the other. Below ConsistencyOptions::least_samples a flaw has to
-/// be significant among all checks that are made, by tests that hold for few samples; nothing
-/// passes.
+/// Performs the checks of one output after the other. With fewer samples than
+/// ConsistencyOptions::min_samples, a deviation must be significant among all checks, by tests
+/// that are valid for few samples; nothing passes.
 class Checker {
  public:
   Checker(const ConsistencyOptions& options, Index checks, Consistency& result)
@@ -103,8 +103,8 @@ class Checker {
     if (is_short(s))
       result_.checks.push_back(
           {"samples", s.output, static_cast<double>(s.samples),
-           static_cast<double>(options_.least_samples), kNone, kNone, CheckVerdict::too_short,
-           fmt::format("{}: {} innovations, too few to tell", s.output, s.samples)});
+           static_cast<double>(options_.min_samples), kNone, kNone, CheckVerdict::too_short,
+           fmt::format("{}: {} innovations, too few for a verdict", s.output, s.samples)});
   }
 
   void check_size(const InnovationStatistics& s) {
@@ -114,15 +114,16 @@ class Checker {
                        internal::chi_squared_exceeded(half, n) / n};
     c.p = internal::chi_squared_two_sided(s.size * n, n);
     const bool within = s.size >= c.low && s.size <= c.high;
-    if (!within && !(s.size >= options_.least_size && s.size <= options_.most_size))
-      fail(c, fmt::format("{}: innovations are {:.3g} times as large as their variance says, {}",
-                          s.output, s.size,
-                          s.size < 1 ? "the filter trusts itself too little"
-                                     : "the filter trusts itself too much"));
-    else if (!is_short(s) && c.low < options_.least_size && c.high > options_.most_size)
-      too_short(c, fmt::format("{}: {} innovations cannot tell whether their variance is right "
-                               "within a quarter",
-                               s.output, s.samples));
+    if (!within && !(s.size >= options_.min_size && s.size <= options_.max_size))
+      fail(c, fmt::format(
+                  "{}: innovations are {:.3g} times as large as their variance implies, {}",
+                  s.output, s.size,
+                  s.size < 1 ? "the filter is underconfident" : "the filter is overconfident"));
+    else if (!is_short(s) && c.low < options_.min_size && c.high > options_.max_size)
+      too_short(c,
+                fmt::format("{}: {} innovations do not determine whether their variance is right "
+                            "within 25 %",
+                            s.output, s.samples));
     add(c, s);
   }
 
@@ -130,9 +131,9 @@ class Checker {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] bool is_short(const InnovationStatistics& s) const {
-    return s.samples < options_.least_samples;
+    return s.samples < options_.min_samples;
   }
-  /// Probability of a false alarm that one check may have.
+  /// Probability of a false alarm allowed for one check.
   [[nodiscard]] double level(const InnovationStatistics& s) const {
     return is_short(s) ? options_.significance / checks_ : options_.significance;
   }
@@ -159,22 +160,22 @@ class Checker {
           internal::correlation_exceeded(0.5 * level(s) / static_cast<double>(lags), s.samples);
     } else {
       c.p = s.ljung_box_p;
-      // Of the largest of so many correlations of white noise.
+      // Upper limit of the largest of this many correlations of white noise.
       c.high =
           internal::normal_exceeded(0.5 * options_.significance / options_.lags) / std::sqrt(n);
     }
     c.low = -c.high;
-    if (c.p < level(s) && std::abs(c.value) > options_.most_correlation)
+    if (c.p < level(s) && std::abs(c.value) > options_.max_correlation)
       fail(c,
            fmt::format("{}: innovations are not white: correlation {:.2f} at a lag of {}", s.output,
                        c.value, worst == 1 ? "1 sample" : fmt::format("{} samples", worst)));
-    else if (!is_short(s) && 1.96 / std::sqrt(n) > options_.most_correlation)
-      too_short(c, fmt::format("{}: {} innovations cannot tell a correlation of {} from none",
-                               s.output, s.samples, options_.most_correlation));
+    else if (!is_short(s) && 1.96 / std::sqrt(n) > options_.max_correlation)
+      too_short(c, fmt::format("{}: {} innovations do not distinguish a correlation of {} from 0",
+                               s.output, s.samples, options_.max_correlation));
     add(c, s);
   }
 
-  /// Student's test, which needs no right variance.
+  /// Student's test, which does not depend on the variance being right.
   void check_mean(const InnovationStatistics& s) {
     if (s.samples < 2 || !std::isfinite(s.size)) return;
     const auto n = static_cast<double>(s.samples);
@@ -182,10 +183,10 @@ class Checker {
     const double t = internal::student_exceeded(0.5 * level(s), n - 1);
     ConsistencyCheck c{"mean", s.output, s.mean, -t * error, t * error};
     c.p = s.mean == 0 ? 1 : 2 * internal::student_above(std::abs(s.mean) / error, n - 1);
-    if (c.p < level(s) && std::abs(s.mean) > options_.most_mean)
+    if (c.p < level(s) && std::abs(s.mean) > options_.max_mean)
       fail(c,
            fmt::format("{}: innovations have a mean of {:.2f} standard deviations: an offset that "
-                       "the model does not know",
+                       "the model does not contain",
                        s.output, s.mean));
     add(c, s);
   }
@@ -193,14 +194,14 @@ class Checker {
   void check_normality(const InnovationStatistics& s) {
     if (!std::isfinite(s.kurtosis)) return;
     const auto n = static_cast<double>(s.samples);
-    ConsistencyCheck c{"normality", s.output, s.kurtosis, kNone, options_.most_kurtosis};
+    ConsistencyCheck c{"normality", s.output, s.kurtosis, kNone, options_.max_kurtosis};
     c.p = is_short(s) ? internal::kurtosis_p(s.kurtosis, s.samples)
                       : internal::chi_squared_above(
                             n / 6 * (s.skewness * s.skewness + s.kurtosis * s.kurtosis / 4), 2);
-    if (c.p < level(s) && s.kurtosis > options_.most_kurtosis)
-      fail(c,
-           fmt::format("{}: innovations are not normal: excess kurtosis {:.3g}, as outliers make",
-                       s.output, s.kurtosis));
+    if (c.p < level(s) && s.kurtosis > options_.max_kurtosis)
+      fail(c, fmt::format(
+                  "{}: innovations are not normal: excess kurtosis {:.3g}, as caused by outliers",
+                  s.output, s.kurtosis));
     add(c, s);
   }
 
@@ -212,7 +213,7 @@ class Checker {
     c.verdict = CheckVerdict::too_short;
     c.reason = reason;
   }
-  /// Of few samples that show no flaw it is not said that there is none.
+  /// A check with few samples never passes, even if it shows no deviation.
   void add(ConsistencyCheck c, const InnovationStatistics& s) {
     if (is_short(s) && c.verdict == CheckVerdict::pass) c.verdict = CheckVerdict::too_short;
     result_.checks.push_back(std::move(c));
@@ -238,7 +239,7 @@ void validate(const ConsistencyOptions& options) {
 
 namespace {
 
-/// The worst of the checks, and the reasons, flaws first.
+/// Combines the checks into the worst verdict, and lists the reasons, failures first.
 void judge(Consistency& result) {
   result.verdict = result.checks.empty() ? CheckVerdict::too_short : CheckVerdict::pass;
   for (const CheckVerdict verdict : {CheckVerdict::fail, CheckVerdict::too_short})
@@ -247,7 +248,7 @@ void judge(Consistency& result) {
       if (!c.reason.empty()) result.reasons.push_back(c.reason);
       if (result.verdict == CheckVerdict::pass) result.verdict = verdict;
     }
-  if (result.checks.empty()) result.reasons.emplace_back("no innovations to look at");
+  if (result.checks.empty()) result.reasons.emplace_back("there are no innovations");
 }
 
 }  // namespace
@@ -257,7 +258,7 @@ Consistency check_consistency(const FilterModel& model, const std::vector<Filter
   validate(options);
   for (const FilterRun& run : runs)
     if (run.status != LikelihoodStatus::computed)
-      throw InvalidInput("consistency", "a run came that was not computed, expected innovations" +
+      throw InvalidInput("consistency", "a run was not computed; expected innovations" +
                                             (run.culprit.empty() ? "" : ": " + run.culprit));
   Consistency result;
   Series all(runs.size());

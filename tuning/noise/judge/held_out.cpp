@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Least number of innovations that a stretch held out must have to pass.
-constexpr Index kLeastHeldOut = 30;
+/// Minimum number of innovations of a held-out part that passes.
+constexpr Index kMinHeldOut = 30;
 
 double log_density(double e, double S, double student) {
   if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
@@ -24,9 +24,10 @@ double log_density(double e, double S, double student) {
          0.5 * (student + 1) * std::log1p(e * e / (student * S));
 }
 
-/// Log-densities of the innovations that both runs compared, and whether one is larger.
+/// Comparison of the log-densities of the innovations that both runs have.
 struct Comparison {
-  Index count = 0, worse = 0;    ///< of them, those that are less likely after
+  /// Number of innovations, and of those that are less likely after the fit
+  Index count = 0, worse = 0;
   double before = 0, after = 0;  ///< means
   double deviation = 0;          ///< of the mean of their differences
 };
@@ -59,7 +60,7 @@ Comparison compare_densities(const FilterModel& model, const std::vector<FilterR
   return result;
 }
 
-/// Probability of `hits` or more of `count` where each is as likely as not.
+/// Probability of at least `hits` of `count` if each has probability 1/2.
 double sign_test(Index count, Index hits) {
   double sum = 0;
   const auto n = static_cast<double>(count);
@@ -71,11 +72,11 @@ double sign_test(Index count, Index hits) {
   return sum;
 }
 
-/// Less likely than before by more than chance. The differences of few are no normal numbers, so
-/// their signs have to say so as well.
+/// Whether the log-likelihood decreased significantly. The differences of few innovations are not
+/// normally distributed, so their signs must be significant as well.
 bool is_worse(const Comparison& compared, double significance) {
   const double loss = compared.before - compared.after;
-  if (compared.count >= kLeastHeldOut)
+  if (compared.count >= kMinHeldOut)
     return loss > normal_exceeded(significance) * compared.deviation;
   if (compared.count < 2) return false;
   const auto n = static_cast<double>(compared.count);
@@ -100,10 +101,10 @@ HoldOut judge_held_out(const FilterModel& model, const std::vector<FilterRun>& b
       (!std::isfinite(result.after) || (both && is_worse(compared, significance)))) {
     result.verdict = CheckVerdict::fail;
     result.reason = fmt::format(
-        "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
+        "the held-out part is less likely than before: {:.4g} per innovation instead of {:.4g}",
         result.after, result.before);
-  } else if (compared.count < kLeastHeldOut) {
-    result.reason = fmt::format("{} innovations held out, too few to tell", compared.count);
+  } else if (compared.count < kMinHeldOut) {
+    result.reason = fmt::format("{} innovations held out, too few for a verdict", compared.count);
   } else {
     result.verdict = CheckVerdict::pass;
   }

@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using internal::NoiseObjective;
 
-/// Half the width of the profile of a parameter without a standard error.
+/// Half width of the profile of a parameter without a standard error.
 constexpr double kUnknown = 3;
 
 void check(const NoiseFit& fit, int parameter, const LikelihoodProfileOptions& options) {
@@ -27,16 +27,15 @@ void check(const NoiseFit& fit, int parameter, const LikelihoodProfileOptions& o
       fit.parameters[static_cast<std::size_t>(parameter)].verdict == ParameterVerdict::not_known)
     throw InvalidInput(
         "profile",
-        fmt::format("parameter {} of {} came, expected one that was fitted", parameter, count));
+        fmt::format("parameter {} of {} was not fitted; expected a fitted one", parameter, count));
   if (options.points < 3 || !(options.deviations > 0) || options.max_iterations < 1)
-    throw InvalidInput(
-        "profile",
-        fmt::format("{} points over {} deviations with {} iterations came, expected 3 or "
-                    "more, a positive number, and 1 or more",
-                    options.points, options.deviations, options.max_iterations));
+    throw InvalidInput("profile",
+                       fmt::format("{} points over {} deviations with {} iterations; expected 3 or "
+                                   "more, a positive number, and 1 or more",
+                                   options.points, options.deviations, options.max_iterations));
 }
 
-/// Least and greatest value of the parameter.
+/// Minimum and maximum of the parameter.
 std::pair<double, double> span(const NoiseFit& fit, int parameter, double deviations) {
   const FittedParameter& p = fit.parameters[static_cast<std::size_t>(parameter)];
   const double centre = fit.theta(parameter);
@@ -65,7 +64,7 @@ LikelihoodProfile likelihood_profile(const InnovationLikelihood& likelihood, con
   LikelihoodProfile profile;
   profile.theta = VectorXd::LinSpaced(options.points, low, high);
   profile.value.resize(options.points);
-  // Outwards from the fit, as each point starts where its neighbour ended.
+  // Proceed outwards from the fit, since each point starts at the result of its neighbour.
   const double* begin = profile.theta.data();
   const Index middle = std::clamp<Index>(
       std::lower_bound(begin, begin + options.points, fit.theta(parameter)) - begin, 0,

@@ -14,7 +14,7 @@
 namespace quadtune {
 namespace {
 
-/// Both estimates of a parameter, and what they say of each other.
+/// Compares the two estimates of a parameter.
 ParameterAgreement agreement_of(const FittedParameter& mine, const FittedParameter& other,
                                 bool logarithmic) {
   ParameterAgreement result{other};
@@ -49,7 +49,7 @@ NoiseMethod other_than(NoiseMethod method) {
   return method == NoiseMethod::likelihood ? NoiseMethod::autocovariances : NoiseMethod::likelihood;
 }
 
-/// Fits by the other method, beginning where it is likely to end.
+/// Fits by the other method, starting near its expected result.
 NoiseFit fit_otherwise(const NoiseFit& fit, NoiseMethod method,
                        const InnovationLikelihood& likelihood, const AgreementOptions& options) {
   if (method == NoiseMethod::likelihood)
@@ -96,17 +96,17 @@ NoiseAgreement compare_methods(const NoiseFit& fit, NoiseMethod method,
     if (std::isfinite(result.parameters.back().deviations)) ++compared;
   }
   if (compared == 0) {
-    result.not_compared = "no parameter is found by both";
+    result.not_compared = "no parameter is estimated by both methods";
     return result;
   }
-  const double most = internal::normal_exceeded(0.5 * options.significance / compared);
+  const double max = internal::normal_exceeded(0.5 * options.significance / compared);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     ParameterAgreement& p = result.parameters[i];
-    p.disagrees = p.deviations > most && p.factor > options.most_factor;
+    p.disagrees = p.deviations > max && p.factor > options.max_factor;
     if (!p.disagrees) continue;
     result.disagreements.push_back(fmt::format(
-        "{} is {}, and {}: a factor of {:.3g}, {:.3g} standard deviations, where both would be "
-        "right if the model was; no interval of it holds",
+        "{} is {}, and {}: a factor of {:.3g}, {:.3g} standard deviations, although both would be "
+        "right if the model were; its intervals are not valid",
         p.other.name, estimate(fit.parameters[i], method), estimate(p.other, result.other),
         p.factor, p.deviations));
   }

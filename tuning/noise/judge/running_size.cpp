@@ -13,12 +13,13 @@ namespace quadtune {
 
 using Eigen::Index;
 
-RunningSize running_size(const FilterRun& run, Index output, int window, double confidence) {
+RunningSize normalized_innovation_window(const FilterRun& run, Index output, int window,
+                                         double confidence) {
   if (run.status != LikelihoodStatus::computed || output < 0 || output >= run.innovation.rows() ||
       window < 1 || !(confidence > 0 && confidence < 1))
     throw InvalidInput("running size",
-                       fmt::format("output {} of {}, a window of {} and a confidence of {} came, "
-                                   "expected a run that was computed, an output of it, 1 or more, "
+                       fmt::format("output {} of {}, a window of {} and a confidence of {}; "
+                                   "expected a computed run, one of its outputs, 1 or more, "
                                    "and between 0 and 1",
                                    output, run.innovation.rows(), window, confidence));
   const Index N = run.innovation.cols();

@@ -1,33 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tests of white noise and of normality that hold for few samples, where the limits of many do
-/// not.
+/// Tests of white noise and of normality that are valid for few samples, for which the asymptotic
+/// limits are not.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace quadtune::internal {
 
-/// Of the autocorrelations of a series, that which white noise has least often.
+/// The least probable autocorrelation of a series under white noise.
 struct LargestCorrelation {
   double value = 0;
-  Eigen::Index lag = 0;  ///< in samples; 0: there is none to look at
-  double p = 1;          ///< of one as rare among all these lags, if the series is white
+  Eigen::Index lag = 0;  ///< in samples; 0: there is none
+  /// Probability of one as improbable among all these lags, if the series is white
+  double p = 1;
 };
 
-/// Each correlation r has the variance (n - lag) / (n (n + 2)) and is taken for one of Pearson's of
-/// as large a variance, so that r √(ν / (1 - r²)) is Student's; that of n = 6 … 99 normal numbers
-/// is as rare as it says or rarer.
+/// Computes the least probable correlation. Each correlation r has the variance
+/// (n - lag) / (n (n + 2)) and is treated as a Pearson correlation of the same variance, so that r
+/// √(ν / (1 - r²)) has Student's distribution; for n = 6 … 99 normal numbers the probability is
+/// right or conservative.
 /// @param autocorrelation  at lags 1, 2, …, about the mean
-/// @param samples          n; below 6 nothing is told
+/// @param samples          n; there is no result below 6
 /// Sources: Dixon 1944; Ljung and Box 1978.
 [[nodiscard]] LargestCorrelation largest_correlation(
     const Eigen::Ref<const Eigen::VectorXd>& autocorrelation, Eigen::Index samples);
 
-/// A correlation at a lag of one sample that white noise exceeds with this probability; 1 where
+/// The correlation at a lag of one sample that white noise exceeds with this probability; 1 if
 /// there are too few samples.
 [[nodiscard]] double correlation_exceeded(double p, Eigen::Index samples);
 
-/// Probability of an excess kurtosis as large, of so many normal numbers; 1 below 8 of them.
+/// Probability of an excess kurtosis at least this large for this many normal numbers; 1 for fewer
+/// than 8.
 /// Source: Anscombe and Glynn 1983.
 [[nodiscard]] double kurtosis_p(double kurtosis, Eigen::Index samples);
 

@@ -25,8 +25,8 @@ using internal::PreparedModel;
 using internal::PreparedTransition;
 using internal::SparseLdl;
 
-/// The system of one record. Unknowns, instant by instant: the multipliers of the step to it, and
-/// its state.
+/// The system of one record. The unknowns of each instant are the multipliers of the step to it,
+/// and its state.
 class System {
  public:
   System(const PreparedModel& prepared, const VectorXd& theta)
@@ -54,12 +54,12 @@ class System {
   SmoothedStates solve() {
     SmoothedStates result;
     measure();
-    // Diffuse states first get a prior of some width, which is then taken out again; a width of
-    // about their own is what rounding likes best.
+    // Diffuse states first have a prior of a finite width, which is then removed again; a width of
+    // about their own standard deviation minimizes rounding errors.
     VectorXd width = VectorXd::Ones(static_cast<Index>(diffuse_.size()));
     std::optional<SparseLdl> ldl;
     MatrixXd columns, V;
-    for (int round = 0; round <= kMostRounds; ++round) {
+    for (int round = 0; round <= kMaxRounds; ++round) {
       P0_ = record_.start ? record_.start->P : prepared_.model.P0;
       for (std::size_t d = 0; d < diffuse_.size(); ++d)
         P0_(diffuse_[d], diffuse_[d]) = width(static_cast<Index>(d));
@@ -75,7 +75,7 @@ class System {
           narrow = d;
         }
       if (narrow < 0) break;
-      if (round == kMostRounds)
+      if (round == kMaxRounds)
         return singular(result, state(0) + diffuse_[static_cast<std::size_t>(narrow)]);
     }
     result.x = states(ldl->solve(right_side()));
@@ -84,8 +84,9 @@ class System {
   }
 
  private:
-  /// A state that a prior 1e15 times as wide as another does not let go is never seen.
-  static constexpr int kMostRounds = 5;
+  /// Maximum number of times that a prior is widened, by 1e3 each. A state that the measurements
+  /// still do not determine after that is not observable.
+  static constexpr int kMaxRounds = 5;
 
   [[nodiscard]] Index multiplier(Index k) const { return 2 * nx_ * k; }
   [[nodiscard]] Index state(Index k) const { return 2 * nx_ * k + nx_; }
@@ -109,7 +110,7 @@ class System {
     return k == 0 ? P0_ : noises_[transition(k - 1)];
   }
 
-  /// Information of each instant's measurements: Cᵀ R⁻¹ C and Cᵀ R⁻¹ (y - D u).
+  /// Information of the measurements of each instant: Cᵀ R⁻¹ C and Cᵀ R⁻¹ (y - D u).
   void measure() {
     information_.assign(static_cast<std::size_t>(N_), MatrixXd::Zero(nx_, nx_));
     pull_ = MatrixXd::Zero(nx_, N_);
@@ -123,7 +124,7 @@ class System {
       });
   }
 
-  /// The outputs of each sensor that came at an instant: C, y - D u, R.
+  /// The measured outputs of each sensor at an instant: C, y - D u, R.
   template <class Function>
   void each_sample(Index k, Function&& function) const {
     for (std::size_t s = 0; s < prepared_.model.sensors.size(); ++s) {
@@ -178,7 +179,7 @@ class System {
     return x;
   }
 
-  /// Covariances of all states with the diffuse ones at the start.
+  /// Covariances of all states with the diffuse states at the start.
   [[nodiscard]] MatrixXd columns_of(const SparseLdl& ldl) const {
     MatrixXd columns(nx_ * N_, static_cast<Index>(diffuse_.size()));
     for (std::size_t d = 0; d < diffuse_.size(); ++d) {
@@ -196,7 +197,7 @@ class System {
     return 0.5 * (V + V.transpose());
   }
 
-  /// Twice the cost at the states x, of which those of the steps must be in the range of Q.
+  /// Twice the cost at the states x, whose steps must be in the range of Q.
   [[nodiscard]] double residual(const MatrixXd& x, const VectorXd& solution) const {
     double sum = 0;
     for (Index k = 0; k < N_; ++k) {
@@ -223,7 +224,7 @@ class System {
           result.P(i, nx_ * k + j) =
               inverse.coeff(state(k) + std::max(i, j), state(k) + std::min(i, j));
     if (!diffuse_.empty()) {
-      // Taking a measurement out is adding one of negative variance.
+      // Removing a measurement is adding one of negative variance.
       const MatrixXd left = MatrixXd(width.asDiagonal()) - V;
       const Eigen::LLT<MatrixXd> llt(left);
       if (llt.info() != Eigen::Success) {
@@ -266,7 +267,7 @@ class System {
     result = {};
     result.status = SmootherStatus::singular;
     result.culprit =
-        fmt::format("{}: state '{}' at {} s is known exactly or never seen", record_.name,
+        fmt::format("{}: state '{}' at {} s is known exactly or not observable", record_.name,
                     prepared_.model.states[static_cast<std::size_t>(i)].name,
                     record_.time[static_cast<std::size_t>(k)]);
     return result;
@@ -287,7 +288,7 @@ class System {
 
 SmoothedStates smooth(const FilterModel& model, const Eigen::Ref<const Eigen::VectorXd>& theta,
                       const FilterRecord& record) {
-  // The same refusals.
+  // Validates the input in the same way.
   const InnovationLikelihood checked(model, {record});
   const PreparedModel prepared(model, {record});
   return System(prepared, theta).solve();

@@ -19,12 +19,12 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// Beyond this many lags a correlation is looked at in steps of a tenth of the lag, so that the
-/// time grows with n log n, not n².
+/// Above this lag correlations are evaluated in steps of a tenth of the lag, so that the time grows
+/// with n log n, not n².
 constexpr std::size_t kEveryLag = 32;
 
-/// How many independent terms a sum of correlated ones is worth: n / (1 + 2 Σ f(ρ)), ρ the
-/// autocorrelation about `center` up to where it is lost in noise.
+/// Effective number of independent terms of a sum of correlated ones: n / (1 + 2 Σ f(ρ)), ρ the
+/// autocorrelation about `center` up to the lag at which it is below its noise.
 double independent_terms(const Samples& terms, double center,
                          const std::function<double(double)>& weight) {
   const auto n = static_cast<double>(terms.size());
@@ -35,7 +35,7 @@ double independent_terms(const Samples& terms, double center,
     return sum;
   };
   const double variance = covariance(0);
-  // 1 + 2 Σ f, by trapezoids between the lags that are looked at.
+  // 1 + 2 Σ f, by trapezoids between the evaluated lags.
   double sum = 0, last_weight = 1;
   std::size_t last = 0;
   for (std::size_t lag = 1; lag < terms.size() / 2; lag += 1 + (lag < kEveryLag ? 0 : lag / 10)) {
@@ -55,7 +55,7 @@ double mean_of_terms(const Samples& terms) {
   return sum / static_cast<double>(terms.size());
 }
 
-/// Of one record at one instant; NaN where it is not told.
+/// The error of one record at one instant; NaN if the true value is not known.
 using ErrorAt = std::function<double(const FilterRecord&, const FilterRun&, Index)>;
 
 StateAccuracy compare(const std::string& state, const std::string& unit, const ErrorAt& error,
@@ -132,9 +132,9 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
       }
       for (const double value : z) squares += value * value;
       count += static_cast<double>(z.size());
-      // The squares of normal errors are correlated by the squares of their correlations. A right
-      // filter's errors have mean zero: about the mean of one that is wrong for the whole record,
-      // what is left would look like many errors.
+      // The correlations of the squares of normal errors are the squares of their correlations. The
+      // errors of a right filter have mean zero. If a filter is wrong by a constant for the whole
+      // record, the deviations from its mean would look like many independent errors.
       if (z.size() > 2)
         independent += independent_terms(z, 0, [](double rho) { return rho * rho; });
     }
@@ -145,11 +145,11 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
     c.high = internal::chi_squared_exceeded(half, freedom) / freedom;
     c.p = internal::chi_squared_two_sided(c.value * freedom, freedom);
     if (!(c.value >= c.low && c.value <= c.high) &&
-        !(c.value >= options.least_size && c.value <= options.most_size)) {
+        !(c.value >= options.min_size && c.value <= options.max_size)) {
       c.verdict = CheckVerdict::fail;
       c.reason = fmt::format(
-          "{}: the squared error is {:.3g} times as large as its variance says, and {:.0f} "
-          "independent errors leave no doubt",
+          "{}: the squared error is {:.3g} times as large as its variance implies, and {:.0f} "
+          "independent errors make this significant",
           c.output, c.value, freedom);
     }
     checks.push_back(c);

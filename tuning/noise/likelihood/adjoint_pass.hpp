@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The adjoint of the Kalman filter: derivatives of the log-likelihood by all covariances at once,
-/// whatever the number of parameters.
+/// The adjoint of the Kalman filter: derivatives of the log-likelihood with respect to all
+/// covariances at once, whatever the number of parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,16 +13,17 @@
 
 namespace quadtune::internal {
 
-/// One record, from its end to its beginning, for measurements that are uncorrelated and normal.
+/// Processes one record from its end to its beginning, for uncorrelated and normal measurements.
 /// With r = ∂ log p/∂x and ½ (r rᵀ - N) = ∂ log p/∂P of a prediction, a measurement with gain K,
-/// innovation e of variance S and row c makes of them
+/// innovation e of variance S and row c changes them to
 ///     u = e/S - K·r,  D = 1/S + K·N K,  r ← r + cᵀ u,
 ///     N ← (I - K c)ᵀ N (I - K c) + cᵀ c/S,  ∂ log p/∂R = ½ (u² - D),
-/// and a step of time ∂ log p/∂Q = ½ (r rᵀ - N), r ← Fᵀ r, N ← Fᵀ N F (Koopman and Shephard 1992).
+/// and a time step gives ∂ log p/∂Q = ½ (r rᵀ - N), r ← Fᵀ r, N ← Fᵀ N F (Koopman and Shephard
+/// 1992).
 template <int N>
 class AdjointPass {
  public:
-  /// @param forward  has run over the record with the tape
+  /// @param forward  a forward pass that has processed the record with the tape
   AdjointPass(const EngineModel<N>& model, const KernelRecord& record,
               const LinearizedInstants<N>* instants, const RunOptions& options,
               ForwardPass<N>& forward, Tape<N>& tape)
@@ -56,7 +57,7 @@ class AdjointPass {
  private:
   void run_piece(const TapePiece<N>& piece, const double* numbers, LikelihoodSums<N>& sums) {
     steady_ = -1;
-    // Missing measurements leave the tape shorter than it might be.
+    // Missing measurements leave part of the tape unused.
     for (Eigen::Index j = piece.begin * record_.ny; j < piece.end * record_.ny; ++j)
       if (!std::isnan(record_.y[j])) numbers += Tape<N>::kEntry;
     for (Eigen::Index k = piece.end; k > piece.begin;) {
@@ -75,10 +76,10 @@ class AdjointPass {
     }
   }
 
-  /// Two states and one output, a step of time and a correction in one: with g = F K,
+  /// Two states and one output, a time step and a correction combined: with g = F K,
   ///     u = e/S - g·r, D = 1/S + g·N g, r ← Fᵀ r + cᵀ u, N ← (F - g c)ᵀ N (F - g c) + cᵀ c/S,
-  /// so that only one product lies between one N and the next.
-  /// @return  the end of what is left, from the last instant that is not like the others
+  /// so that there is only one product between one N and the next.
+  /// @return  the end of the remaining part, behind the last instant that differs from the others
   Eigen::Index run_two_states(Eigen::Index k, Eigen::Index begin, const double*& numbers,
                               LikelihoodSums<N>& sums) {
     if (record_.ny != 1 || instants_ != nullptr || k == record_.samples) return k;
@@ -147,7 +148,7 @@ class AdjointPass {
     Column<N> NK;
     multiply<N>(N_, K, NK.at);
     const double D = precision + dot<N>(K, NK.at);
-    if constexpr (N == 2) {  // the same in whole vectors: N - h c - cᵀ hᵀ, h = N K - ½ D cᵀ
+    if constexpr (N == 2) {  // the same with whole vectors: N - h c - cᵀ hᵀ, h = N K - ½ D cᵀ
       add_scaled<N>(-0.5 * D, c.value, NK.at);
       add_outer<N>(-1, NK.at, c.value, N_);
       add_outer<N>(-1, c.value, NK.at, N_);
@@ -179,15 +180,15 @@ class AdjointPass {
     });
   }
 
-  /// r through a piece, and what it adds to ∂ log p/∂Q and ∂ log p/∂R.
+  /// Propagates r through a piece, and adds its contribution to ∂ log p/∂Q and ∂ log p/∂R.
   void run_steady_residuals(const SteadyState<N>& steady, Eigen::Index left, const double* numbers,
                             LikelihoodSums<N>& sums) {
     const Eigen::Index e_rows = steady.innovation_rows();
-    constexpr int kGroup = 4;  // blocks whose r rᵀ are added up at once
-    // One more, because the first r of a group is the last of the group before.
-    alignas(64) double out[kGroup + 1][kMostOutputs + 4 * N + 8];  // u, and r before each sample
-    const double* r_after[4 * kGroup];                             // of each sample
-    Vector<4> squares[kMostOutputs / 4] = {};
+    constexpr int kGroup = 4;  // blocks whose r rᵀ are summed together
+    // One more, because the first r of a group is the last one of the group before.
+    alignas(64) double out[kGroup + 1][kMaxOutputs + 4 * N + 8];  // u, and r before each sample
+    const double* r_after[4 * kGroup];                            // one per sample
+    Vector<4> squares[kMaxOutputs / 4] = {};
     Square<N>& by_Q = sums.by_Q[steady.transition];
     const double* r = r_.at;
     int slot = 0;
@@ -217,8 +218,8 @@ class AdjointPass {
       sums.by_R[static_cast<std::size_t>(row % record_.ny)] += 0.5 * squares[row / 4][row % 4];
   }
 
-  /// The same for two states and one output. All that is added up is quadratic in w = [ē; r] of a
-  /// block of four samples, so that Σ w wᵀ is enough, and r does not leave its register.
+  /// The same for two states and one output. All sums are quadratic in w = [ē; r] of a block of
+  /// four samples, so that Σ w wᵀ suffices, and r stays in its register.
   void run_two_steady_states(const SteadyState<N>& steady, Eigen::Index blocks,
                              const double* numbers, LikelihoodSums<N>& sums) {
     const Eigen::Matrix<double, 12, 6> map = steady.backward.topRows(12);
@@ -245,7 +246,8 @@ class AdjointPass {
     add_scaled<N * N>(1, by_Q.data(), sums.by_Q[steady.transition].at);
   }
 
-  /// N through the whole of a stretch, and what its steps add to ∂ log p/∂Q and ∂ log p/∂R.
+  /// Propagates N through a whole stretch, and adds the contribution of its steps to ∂ log p/∂Q and
+  /// ∂ log p/∂R.
   void run_steady_information(const SteadyState<N>& steady, LikelihoodSums<N>& sums) {
     const Square<N> start = N_;
     N_ = Square<N>();
@@ -254,7 +256,7 @@ class AdjointPass {
         steady_information<N>(steady.backward_step, N_, start, steady.samples);
     const auto samples = static_cast<double>(steady.samples);
     add_scaled<N * N>(-0.5, information.sum.at, sums.by_Q[steady.transition].at);
-    // D is linear in N: the sum of D is that of the mean of N.
+    // D is linear in N: the sum of D follows from the mean of N.
     N_ = Square<N>();
     add_scaled<N * N>(1 / samples, information.sum.at, N_.at);
     propagate<N>(model_.transitions[steady.transition].F_transposed, N_, nullptr);
@@ -275,7 +277,7 @@ class AdjointPass {
   Tape<N>& tape_;
   Column<N> r_;
   Square<N> N_, F_transposed_;
-  int steady_ = -1;  ///< index of the steady gains that N has been taken through
+  int steady_ = -1;  ///< index of the steady gains through which N has been propagated
 };
 
 }  // namespace quadtune::internal

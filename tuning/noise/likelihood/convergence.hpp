@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether the covariance of a filter has converged, judged from how much it changes.
+/// Test whether the covariance of a filter has converged, based on its changes.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,19 +7,19 @@
 
 namespace quadtune::internal {
 
-/// Looks at a covariance every kEvery steps. Near its limit the changes from look to look shrink by
-/// a constant factor, so that what is still to come is the sum of a geometric series.
+/// Checks a covariance every kEvery steps. Close to the limit the changes between checks decrease
+/// by a constant factor, so that the remaining change is the sum of a geometric series.
 class Convergence {
  public:
-  static constexpr Eigen::Index kEvery = 16;   ///< steps between looks
+  static constexpr Eigen::Index kEvery = 16;   ///< steps between checks
   static constexpr double kTolerance = 1e-13;  ///< relative distance from the limit
 
-  /// @param change  largest change since the last look, relative to the standard deviations;
-  ///                infinite where a variance has become exactly 0
-  /// @return        whether the limit is nearer than kTolerance
+  /// @param change  largest change since the last check, relative to the standard deviations;
+  ///                infinite if a variance has become exactly 0
+  /// @return        whether the distance from the limit is below kTolerance
   bool reached(double change) {
-    // No factor follows from an infinite change: it would be 0, and the covariance of the states
-    // that still converge would count as settled.
+    // An infinite change does not determine the factor: it would be 0, and states whose covariance
+    // still converges would count as converged.
     const double factor = last_ > 0 && std::isfinite(last_) ? change / last_ : 1;
     last_ = change;
     return change < 1e-16 || (factor < 0.999 && change * factor / (1 - factor) < kTolerance);
@@ -29,8 +29,8 @@ class Convergence {
   double last_ = -1;
 };
 
-/// Share of R in the innovation's variance S below which what is left of P along C is lost in
-/// rounding, so that the whole of Joseph's form is computed.
-inline constexpr double kLeastShareOfR = 1e-4;
+/// Share of R in the innovation variance S below which the remaining P along C is lost in rounding
+/// errors, so that the complete Joseph form is computed.
+inline constexpr double kMinShareOfR = 1e-4;
 
 }  // namespace quadtune::internal

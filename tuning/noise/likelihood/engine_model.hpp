@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the passes of the Kalman filter read at one θ, and what they add up.
+/// Inputs of the passes of the Kalman filter at one θ, and the sums that they compute.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,7 @@
 
 namespace quadtune::internal {
 
-/// The entries of a row of C that are not 0; all of them for two states, so that loops are
-/// unrolled.
+/// The nonzero entries of a row of C; for two states all entries, so that loops are unrolled.
 template <int N>
 struct SparseRow {
   const int* column = nullptr;
@@ -47,7 +46,7 @@ struct SparseRow {
   }
 };
 
-/// Rows of C, one after the other.
+/// Consecutive rows of C.
 template <int N>
 class SparseRows {
  public:
@@ -78,14 +77,14 @@ struct SymmetricEntry {
   double value = 0;
 };
 
-/// The linearized instants of a record: padded, without zeros and contiguous, because the processor
-/// waits for memory where each instant is several blocks of the heap.
+/// The linearized instants of a record: padded, without zeros and contiguous, because memory access
+/// is slow if each instant consists of several heap blocks.
 template <int N>
 struct LinearizedInstants {
   std::vector<Square<N>> F;            ///< from each instant to the next
   std::vector<Column<N>> offset;       ///< likewise
-  SparseRows<N> C;                     ///< ny an instant
-  std::size_t terms = 0;               ///< of Q.scaled
+  SparseRows<N> C;                     ///< ny per instant
+  std::size_t terms = 0;               ///< number of terms of Q.scaled
   std::vector<SymmetricEntry> noise;   ///< of all terms of all instants
   std::vector<std::size_t> noise_end;  ///< of each term of each instant
 
@@ -106,7 +105,7 @@ struct Transition {
   std::vector<Column<N>> B;  ///< nu columns
 };
 
-/// Neighbouring entries of a column of Q of which one depends on θ.
+/// Adjacent entries of a column of Q, at least one of which depends on θ.
 struct NoiseEntries {
   int row = 0;  ///< a multiple of kLanes
   int column = 0;
@@ -118,11 +117,11 @@ struct EngineModel {
   std::vector<Transition<N>> transitions;
   SparseRows<N> C;              ///< ny rows of L⁻¹ C
   std::vector<double> R;        ///< (ny) variances of L⁻¹ v
-  Eigen::MatrixXd L;            ///< (ny × ny) of R = L diag Lᵀ; empty where all R are diagonal
+  Eigen::MatrixXd L;            ///< (ny × ny) of R = L diag Lᵀ; empty if all R are diagonal
   Eigen::MatrixXd D;            ///< (ny × nu), or empty
-  std::vector<double> student;  ///< (ny) degrees of freedom; empty where all noise is normal
+  std::vector<double> student;  ///< (ny) degrees of freedom; empty if all noise is normal
   std::vector<double> gate;     ///< (ny) largest e²/S; only for a trace
-  std::vector<double> factors;  ///< of the noise's shapes, for linearized records
+  std::vector<double> factors;  ///< factors of the noise shapes, for linearized records
   std::vector<NoiseEntries> noise_entries;
   Eigen::VectorXd x0;
   Eigen::MatrixXd P0;
@@ -146,9 +145,9 @@ template <int N>
 struct ModelSlopes {
   Eigen::MatrixXd R;                      ///< (p × ny)
   Eigen::MatrixXd factors;                ///< (p × terms) of EngineModel::factors
-  std::vector<Square<N>> Q;               ///< of parameter a at transition t: [t p + a]
-  std::vector<Eigen::MatrixXd> L;         ///< p, or empty as EngineModel::L
-  std::vector<std::vector<Column<N>>> C;  ///< p times ny rows, or empty likewise
+  std::vector<Square<N>> Q;               ///< for parameter a at transition t: [t p + a]
+  std::vector<Eigen::MatrixXd> L;         ///< p matrices, or empty like EngineModel::L
+  std::vector<std::vector<Column<N>>> C;  ///< p times ny rows, or likewise empty
 };
 
 /// Estimate and covariance P + κ P_diffuse of its error, κ → ∞.
@@ -159,7 +158,8 @@ struct FilterState {
   int diffuse_rank = 0;
 };
 
-/// Σ log of positive numbers, by products: a logarithm costs more than a filter of two states.
+/// Σ log of positive numbers, computed from products, since a logarithm takes longer than a filter
+/// step of two states.
 class LogSum {
  public:
   void add(double x) {
@@ -183,16 +183,17 @@ template <int N>
 struct LikelihoodSums {
   LogSum logs;
   double squares = 0;
-  double constants = 0;  ///< of Student's densities, twice
+  double constants = 0;  ///< twice the constants of Student's densities
   Eigen::Index used = 0, diffuse = 0;
   Eigen::Index bad_sample = -1, bad_output = -1;
 
-  std::vector<double> by_R;        ///< ny
-  std::vector<Square<N>> by_Q;     ///< of each transition; right where EngineModel::noise_entries
+  std::vector<double> by_R;  ///< ny
+  /// Per transition; valid for the entries of EngineModel::noise_entries
+  std::vector<Square<N>> by_Q;
   std::vector<double> by_factors;  ///< of linearized records
 };
 
-/// Where a run writes its innovations and states.
+/// Output of a run: its innovations and states.
 struct RunTrace {
   SampleMatrix* innovation;
   SampleMatrix* variance;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The Kalman filter over one record: likelihood, sensitivities, a trace, and what the adjoint pass
-/// needs.
+/// The Kalman filter over one record: likelihood, sensitivities, a trace, and the tape of the
+/// adjoint pass.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ namespace quadtune::internal {
 template <int N>
 class ForwardPass {
  public:
-  /// What a run does besides the likelihood; any may be null. A tape needs measurements that are
-  /// uncorrelated and normal.
+  /// Optional outputs of a run in addition to the likelihood; any may be null. A tape requires
+  /// uncorrelated and normal measurements.
   struct Extras {
     Tape<N>* tape = nullptr;
     Sensitivities<N>* sensitivities = nullptr;
@@ -42,8 +42,9 @@ class ForwardPass {
   ForwardPass(const ForwardPass&) = delete;
   ForwardPass& operator=(const ForwardPass&) = delete;
 
-  /// @return  false if an innovation has no positive variance; sums says which.
-  /// @throws Interrupted  if the options ask for it
+  /// @return  false if the variance of an innovation is not positive; sums then contains its
+  ///          position.
+  /// @throws Interrupted  if requested by the options
   bool run(LikelihoodSums<N>& sums) {
     start();
     for (std::size_t s = 0; s < record_.segment_count; ++s)
@@ -51,7 +52,7 @@ class ForwardPass {
     return true;
   }
 
-  /// Writes the numbers of a piece that had no room on the tape.
+  /// Recomputes the numbers of a piece that did not fit on the tape.
   void repeat(const TapePiece<N>& piece, double* numbers) {
     LikelihoodSums<N> ignored;
     state_ = piece.start;
@@ -116,7 +117,7 @@ class ForwardPass {
     return true;
   }
 
-  /// The piece of the tape that instant k belongs to, where gains change.
+  /// The piece of the tape that contains instant k, in a part with varying gains.
   TapePiece<N>& open_piece(Eigen::Index k) {
     if (tape_->count > 0) {
       TapePiece<N>& last = tape_->pieces[tape_->count - 1];
@@ -128,7 +129,7 @@ class ForwardPass {
     return piece;
   }
 
-  /// @param numbers  where to write what the adjoint pass needs, moved on; may be null
+  /// @param numbers  output for the adjoint pass, advanced by the call; may be null
   bool run_samples(Eigen::Index k, Eigen::Index stop, LikelihoodSums<N>& sums, double*& numbers) {
     for (; k < stop; ++k) {
       if (!correct(k, sums, numbers)) return false;
@@ -138,10 +139,10 @@ class ForwardPass {
     return true;
   }
 
-  /// Two states and one output, a correction and a step of time in one:
-  /// P⁺ = F P Fᵀ + Q - g gᵀ/S, g = F P cᵀ. The processor waits for P⁺ at each step, so that all
-  /// that does not need 1/S is computed while it is divided.
-  /// @return  the first instant that is left: `stop`, or one that needs Joseph's form
+  /// Two states and one output, a correction and a time step combined:
+  /// P⁺ = F P Fᵀ + Q - g gᵀ/S, g = F P cᵀ. The critical path is the recursion of P⁺, so that
+  /// everything that does not need 1/S is computed during the division.
+  /// @return  the first instant not processed: `stop`, or one that requires the Joseph form
   Eigen::Index run_two_states(Eigen::Index k, Eigen::Index stop, LikelihoodSums<N>& sums) {
     if (k >= stop) return k;
     const SparseRow<N> c = model_.C[0];
@@ -159,7 +160,7 @@ class ForwardPass {
     for (; k < stop; ++k) {
       const double S = (R + c0 * c0 * P00) + (2 * c0 * c1 * P10 + c1 * c1 * P11);
       const double inverse = 1 / S;
-      if (!(R * inverse > kLeastShareOfR)) break;
+      if (!(R * inverse > kMinShareOfR)) break;
       const double Pc0 = c0 * P00 + c1 * P10, Pc1 = c0 * P10 + c1 * P11;
       const double u = record_.nu == 0 ? 0 : record_.u[k];
       const double e = record_.y[k] - D * u - (c0 * x0 + c1 * x1), weighted = e * inverse;
@@ -184,7 +185,7 @@ class ForwardPass {
     return k;
   }
 
-  /// The measurements of instant k, one by one.
+  /// Processes the measurements of instant k, one by one.
   bool correct(Eigen::Index k, LikelihoodSums<N>& sums, double*& numbers) {
     const double* y = record_.y + k * record_.ny;
     for (Eigen::Index i = 0; i < record_.ny; ++i) {
@@ -229,7 +230,7 @@ class ForwardPass {
     if (sensitivities_ != nullptr) sensitivities_->correct(K, e * inverse);
     add_scaled<N>(e, K.at, state_.x.at);
     add_outer<N>(-1, K.at, Pc.at, state_.P);  // P - K (P cᵀ)ᵀ
-    if (R * inverse < kLeastShareOfR) {       // Joseph's form: + (K R - P cᵀ) Kᵀ of this P
+    if (R * inverse < kMinShareOfR) {         // Joseph form: + (K R - P cᵀ) Kᵀ of this P
       Column<N> rest = c.times(state_.P);
       for (double& entry : rest.at) entry = -entry;
       add_scaled<N>(R, K.at, rest.at);
@@ -263,10 +264,10 @@ class ForwardPass {
     update(c, e, R / weight, 1 / (S - R + R / weight), Pc, no_tape);
   }
 
-  /// A measurement that sees a state of which nothing is known yet: with F = c P_diffuse cᵀ > 0 the
-  /// gain is K = P_diffuse cᵀ/F (Koopman and Durbin 2000). K does not depend on θ: L⁻¹ C adds to
-  /// a row of C only rows before it, which have been taken out of P_diffuse.
-  /// @return  false if it sees none: then it is an ordinary measurement.
+  /// A measurement that depends on a diffuse state: with F = c P_diffuse cᵀ > 0 the gain is
+  /// K = P_diffuse cᵀ/F (Koopman and Durbin 2000). K does not depend on θ: L⁻¹ C adds to a row of C
+  /// only earlier rows, which have been removed from P_diffuse.
+  /// @return  false if it does not depend on one: then it is an ordinary measurement.
   bool diffuse_update(const SparseRow<N>& c, double e, double S, const Column<N>& Pc,
                       LikelihoodSums<N>& sums, double*& numbers) {
     const Column<N> diffuse_Pc = c.times(state_.P_diffuse);
@@ -326,7 +327,7 @@ class ForwardPass {
 
   // --- trace ---
 
-  /// @return  false if the gate refuses the measurement
+  /// @return  false if the gate rejects the measurement
   [[nodiscard]] bool trace_measurement(Eigen::Index k, Eigen::Index i, double e, double S) const {
     (*trace_->variance)(i, k) = S;
     const bool refused = e * e > model_.gate[static_cast<std::size_t>(i)] * S;
@@ -355,7 +356,7 @@ class ForwardPass {
   FilterState<N> state_;
   SteadyPass<N> steady_;
   double* numbers_ = nullptr;  ///< of the open piece of the tape
-  double whitened_[kMostOutputs] = {};
+  double whitened_[kMaxOutputs] = {};
 };
 
 }  // namespace quadtune::internal

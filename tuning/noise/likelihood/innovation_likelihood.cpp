@@ -31,13 +31,13 @@ struct InnovationLikelihood::Parts {
 
 InnovationLikelihood::InnovationLikelihood(FilterModel model, std::vector<FilterRecord> records) {
   validate(model, "filter model");
-  if (model.A.rows() > internal::kMostStates)
+  if (model.A.rows() > internal::kMaxStates)
     throw InvalidInput("filter model", fmt::format("the model has {} states, expected at most {}",
-                                                   model.A.rows(), internal::kMostStates));
-  if (model.outputs() > internal::kMostOutputs)
+                                                   model.A.rows(), internal::kMaxStates));
+  if (model.outputs() > internal::kMaxOutputs)
     throw InvalidInput("filter model", fmt::format("the model has {} outputs, expected at most {}",
-                                                   model.outputs(), internal::kMostOutputs));
-  if (records.empty()) throw InvalidInput("logs", "none came, expected at least one");
+                                                   model.outputs(), internal::kMaxOutputs));
+  if (records.empty()) throw InvalidInput("logs", "there are none; expected at least one");
   for (const FilterRecord& record : records) validate(record, model, record.name);
   parts_ = std::make_unique<Parts>(
       std::make_shared<const PreparedModel>(std::move(model), std::move(records)));
@@ -67,7 +67,7 @@ void InnovationLikelihood::stop_when(std::function<bool()> stop) {
 Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                           LikelihoodOrder order) const {
   const Index p = static_cast<Index>(model().parameters.size());
-  require_shape(theta, p, 1, "likelihood", "theta", "one entry a parameter");
+  require_shape(theta, p, 1, "likelihood", "theta", "one entry per parameter");
   require_finite(theta, "likelihood", "theta");
   Likelihood result;
   if (p == 0) order = LikelihoodOrder::value;
@@ -78,11 +78,11 @@ Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd
 FilterRun InnovationLikelihood::run(std::size_t record,
                                     const Eigen::Ref<const Eigen::VectorXd>& theta) const {
   require_shape(theta, static_cast<Index>(model().parameters.size()), 1, "likelihood", "theta",
-                "one entry a parameter");
+                "one entry per parameter");
   require_finite(theta, "likelihood", "theta");
   if (record >= records().size())
-    throw InvalidInput("likelihood", fmt::format("record {} came, expected 0 to {}", record,
-                                                 records().size() - 1));
+    throw InvalidInput("likelihood", fmt::format("record {} is out of range; expected 0 to {}",
+                                                 record, records().size() - 1));
   FilterRun run;
   parts_->engine->run(theta, record, parts_->options, run);
   return run;

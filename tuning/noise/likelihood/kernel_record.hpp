@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A record as the likelihood's kernel reads it, and what fits into the kernel.
+/// A record in the form that the likelihood kernel reads, and the size limits of the kernel.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,15 +13,15 @@
 namespace quadtune::internal {
 
 /// Largest number of states of a model, and of outputs of all its sensors.
-inline constexpr int kMostStates = 24;
-inline constexpr int kMostOutputs = 64;
+inline constexpr int kMaxStates = 24;
+inline constexpr int kMaxOutputs = 64;
 
-/// How a filter goes through the records, whichever it is.
+/// Options of a run of a filter over the records.
 struct RunOptions {
   bool hold_steady_gains = true;
   std::function<bool()> stop = {};  ///< true ends the run; may be empty
 
-  /// Samples from one question to the next, so that the question costs nothing.
+  /// Number of samples between calls of `stop`, so that their cost is negligible.
   static constexpr Eigen::Index kEvery = 1024;
   /// @throws Interrupted  where `stop` says so
   void ask() const {
@@ -29,10 +29,10 @@ struct RunOptions {
   }
 };
 
-/// Instants that are alike: all outputs measured, one transition.
+/// Equal instants: all outputs measured, the same transition.
 struct KernelSegment {
   Eigen::Index begin = 0, end = 0;
-  bool complete = false;  ///< false: anything may be missing, transitions differ
+  bool complete = false;  ///< false: outputs may be missing and transitions may differ
 };
 
 struct KernelRecord {
@@ -42,8 +42,8 @@ struct KernelRecord {
   const std::uint32_t* transition = nullptr;  ///< from each sample to the next
   const KernelSegment* segments = nullptr;
   std::size_t segment_count = 0;
-  const LinearizedInstant* linearized = nullptr;  ///< one a sample; null where the model is linear
-  const FilterStart* start = nullptr;             ///< null: the model's
+  const LinearizedInstant* linearized = nullptr;  ///< one per sample; null if the model is linear
+  const FilterStart* start = nullptr;             ///< null: that of the model
 };
 
 }  // namespace quadtune::internal

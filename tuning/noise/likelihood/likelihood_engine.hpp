@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The interface of the offline Kalman filter, whatever the number of states.
+/// The interface of the offline Kalman filter, independent of the number of states.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,13 +13,13 @@ namespace quadtune::internal {
 class LikelihoodEngine {
  public:
   virtual ~LikelihoodEngine() = default;
-  /// The sum over all records.
+  /// Likelihood of all records.
   virtual void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, LikelihoodOrder order,
                         const RunOptions& options, Likelihood& result) = 0;
   /// Innovations and states of one record, with the gates of the sensors.
   virtual void run(const Eigen::Ref<const Eigen::VectorXd>& theta, std::size_t record,
                    const RunOptions& options, FilterRun& result) = 0;
-  /// For another thread: shares what does not depend on θ.
+  /// Copy for another thread: shares the data that does not depend on θ.
   [[nodiscard]] virtual std::unique_ptr<LikelihoodEngine> copy() const = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Fills the matrices of the Kalman filter at a θ and turns its sums into a likelihood. Included
-/// where this is instantiated, one size a source file.
+/// Computes the matrices of the Kalman filter at a θ, and the likelihood from its sums. Included
+/// where it is instantiated, one size per source file.
 #pragma once
 
 #include <ceres/jet.h>
@@ -47,7 +47,7 @@ class LikelihoodEngineOf final : public LikelihoodEngine {
     model_.diffuse = model.diffuse;
   }
 
-  /// Without the tape, which may be large and is filled anew by each evaluation.
+  /// The copy omits the tape, which may be large and is recomputed in each evaluation.
   LikelihoodEngineOf(const LikelihoodEngineOf& other)
       : LikelihoodEngine(other),
         prepared_(other.prepared_),
@@ -193,7 +193,7 @@ class LikelihoodEngineOf final : public LikelihoodEngine {
     }
   }
 
-  /// f(parameter, θ as jets whose derivative is by that parameter)
+  /// Calls f(parameter, θ as jets with the derivative with respect to that parameter).
   template <class Function>
   static void each_direction(const Eigen::Ref<const Eigen::VectorXd>& theta, Function&& f) {
     std::vector<Slope> jets(theta.begin(), theta.end());
@@ -252,8 +252,8 @@ class LikelihoodEngineOf final : public LikelihoodEngine {
   }
 
   const PreparedModel& prepared_;
-  std::shared_ptr<const std::vector<LinearizedInstants<N>>> instants_;  ///< one a record
-  bool tailed_ = false;  ///< a sensor has Student's distribution
+  std::shared_ptr<const std::vector<LinearizedInstants<N>>> instants_;  ///< one per record
+  bool tailed_ = false;  ///< whether a sensor has Student's distribution
   EngineModel<N> model_;
   Tape<N> tape_;
 };

@@ -16,16 +16,17 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Steps that differ by less are one [s].
+/// Steps that differ by less than this are treated as equal [s].
 constexpr double kSameStep = 1e-7;
 
-/// x ↦ F x + g, or P ↦ F P Fᵀ + g: some steps of a discrete model taken as one.
+/// x ↦ F x + g, or P ↦ F P Fᵀ + g: several steps of a discrete model combined.
 struct Steps {
   MatrixXd F, g;
 };
 
-/// n steps of a discrete model, by squaring, because a log may have gaps of very many steps.
-/// @param then  what `later` makes of the g of `earlier`, without its own: F g, or F g Fᵀ
+/// Combines n steps of a discrete model, by squaring, because a log may have gaps of very many
+/// steps.
+/// @param then  propagates the g of the earlier steps by the later ones: F g, or F g Fᵀ
 template <class Then>
 Steps repeated(const MatrixXd& F, const MatrixXd& g, std::int64_t n, Then&& then) {
   Steps all = {MatrixXd::Identity(F.rows(), F.cols()), MatrixXd::Zero(g.rows(), g.cols())};
@@ -37,7 +38,7 @@ Steps repeated(const MatrixXd& F, const MatrixXd& g, std::int64_t n, Then&& then
   return all;
 }
 
-/// What n steps of a discrete model make of one step's covariance.
+/// The covariance of n steps of a discrete model from that of one step.
 MatrixXd accumulated(const MatrixXd& A, const MatrixXd& step, std::int64_t n) {
   return repeated(
              A, step, n,

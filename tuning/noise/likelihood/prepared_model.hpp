@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What of a model and its records does not depend on θ, worked out once.
+/// The part of a model and its records that does not depend on θ, computed once.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +19,8 @@ struct PreparedTransition {
   Eigen::MatrixXd F;      ///< (nx × nx)
   Eigen::MatrixXd B;      ///< (nx × nu)
   Eigen::MatrixXd fixed;  ///< (nx × nx)
-  /// (nx × nx) one a term of Q.scaled, then one an entry (i, j), j ≤ i, row by row, of each term of
-  /// Q.full
+  /// (nx × nx) one per term of Q.scaled, then one per entry (i, j), j ≤ i, row by row, of each term
+  /// of Q.full
   std::vector<Eigen::MatrixXd> shapes;
 };
 
@@ -34,7 +34,7 @@ struct PreparedModel {
   FilterModel model;
   std::vector<FilterRecord> records;
   std::vector<PreparedTransition> transitions;
-  std::vector<PreparedRecord> prepared;    ///< one a record
+  std::vector<PreparedRecord> prepared;    ///< one per record
   Eigen::MatrixXd C, D;                    ///< of all sensors; D empty where all are zero
   std::vector<Eigen::Index> first_output;  ///< of each sensor
   bool correlated = false;                 ///< whether an R is not diagonal
@@ -44,11 +44,11 @@ struct PreparedModel {
   PreparedModel& operator=(const PreparedModel&) = delete;
 };
 
-/// Where an innovation has no positive variance, in words.
+/// Describes where the variance of an innovation is not positive.
 [[nodiscard]] std::string not_positive(const PreparedModel& prepared, std::size_t record,
                                        Eigen::Index sample, Eigen::Index output);
 
-/// A number that is the same for steps that are alike, and their length.
+/// An integer that is the same for equal steps, and the length of such a step.
 [[nodiscard]] std::int64_t step_key(const FilterModel& model, double dt);
 [[nodiscard]] double step_of_key(const FilterModel& model, std::int64_t key);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What of a prepared model depends on θ, in plain numbers or with derivatives (jets).
+/// The part of a prepared model that depends on θ, as numbers or with derivatives (jets).
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ template <class T>
 struct Measurements {
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
   std::vector<T> variance;  ///< (ny)
-  Matrix L;                 ///< (ny × ny), its diagonal of ones
+  Matrix L;                 ///< (ny × ny) with unit diagonal
   Matrix C;                 ///< (ny × nx) L⁻¹ C
 };
 

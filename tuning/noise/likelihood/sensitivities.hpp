@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Forward sensitivities: the derivatives of a filter's run with respect to each parameter, for the
-/// information, and for the gradient of models that the adjoint pass does not have.
+/// Forward sensitivities: the derivatives of a run of a filter with respect to each parameter, for
+/// the information, and for the gradient of models that the adjoint pass does not support.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,11 +13,11 @@
 
 namespace quadtune::internal {
 
-/// With ' for the derivative by one parameter, a measurement z = c x + v with gain K, innovation e
-/// of variance S changes x' and P' by
+/// With ' for the derivative with respect to one parameter, a measurement z = c x + v with gain K,
+/// innovation e of variance S changes x' and P' by
 ///     b = P'cᵀ + P c'ᵀ,  S' = R' + c b + c' P cᵀ,  e' = z' - c' x - c x',
 ///     x' ← x' + K e' + (b - S' K) e/S,  P' ← P' - h Kᵀ - K hᵀ,  h = b - ½ S' K,
-/// and a step of time x' ← F x', P' ← F P' Fᵀ + Q'. The information is the sum of
+/// and a time step x' ← F x', P' ← F P' Fᵀ + Q'. The information is the sum of
 /// ½ (S'/S)(S'/S)ᵀ + e' e'ᵀ/S over all pairs of parameters (Harvey 1989, section 3.4.5).
 template <int N>
 class Sensitivities {
@@ -25,7 +25,7 @@ class Sensitivities {
   struct Slope {
     Column<N> x;
     Square<N> P;
-    // Of the measurement that linearize() was called for.
+    // For the measurement for which linearize() was called.
     Column<N> b;
     double S = 0, e = 0, square = 0;  ///< S', e', (e²/S)'
   };
@@ -88,8 +88,7 @@ class Sensitivities {
     }
   }
 
-  /// Adds a measurement to gradient and information.
-  /// @param weight  of a measurement with Student's distribution; 1 where it is normal
+  /// @param weight  of a measurement with Student's distribution; 1 if it is normal
   void add_measurement(double e, double S, double weight) {
     const double inverse = 1 / S, root = std::sqrt(inverse);
     for (std::size_t a = 0; a < slopes.size(); ++a) {
@@ -111,7 +110,7 @@ class Sensitivities {
                      R * slopes[a].square / (freedom + 1);
   }
 
-  /// @param weighted  e/S; 0 where K does not depend on θ
+  /// @param weighted  e/S; 0 if K does not depend on θ
   void correct(const Column<N>& K, double weighted) {
     for (Slope& slope : slopes) {
       add_scaled<N>(weighted, slope.b.at, slope.x.at);
@@ -122,7 +121,7 @@ class Sensitivities {
     }
   }
 
-  /// @param transition  index, or negative where add_noise() adds Q'
+  /// @param transition  index, or negative if add_noise() adds Q'
   void predict(const Square<N>& F, std::ptrdiff_t transition) {
     for (std::size_t a = 0; a < slopes.size(); ++a) {
       Column<N> x;
@@ -134,7 +133,7 @@ class Sensitivities {
                        : &by_.Q[static_cast<std::size_t>(transition) * slopes.size() + a]);
     }
   }
-  /// The noise of a linearized instant, whose terms are variances: one parameter each.
+  /// Adds the noise of a linearized instant, whose terms are variances with one parameter each.
   void add_noise(std::size_t term, const SymmetricEntry& entry) {
     for (std::size_t a = 0; a < slopes.size(); ++a) {
       const double slope =

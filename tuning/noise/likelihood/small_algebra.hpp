@@ -8,8 +8,8 @@
 
 namespace quadtune::internal {
 
-/// `count` doubles of any machine, wherever they lie in memory: the compiler splits them where its
-/// own vectors are shorter.
+/// A vector of `count` doubles without alignment requirements: the compiler splits it if the
+/// vectors of the machine are shorter.
 template <int count>
 struct [[gnu::packed, gnu::may_alias]] Lanes {
   typedef double Vector __attribute__((vector_size(count * sizeof(double))));  // NOLINT
@@ -18,11 +18,11 @@ struct [[gnu::packed, gnu::may_alias]] Lanes {
 template <int count>
 using Vector = typename Lanes<count>::Vector;
 
-/// How many entries of a column of N are computed at once.
+/// Number of entries of a column of N that are computed together.
 template <int N>
 inline constexpr int kLanes = N < 4 ? 2 : 4;
 
-/// The vectors that a column of N consists of.
+/// The vectors of a column of N.
 template <int N>
 [[gnu::always_inline]] inline Lanes<kLanes<N>>* lanes(double* column) {
   return reinterpret_cast<Lanes<kLanes<N>>*>(column);
@@ -80,7 +80,8 @@ template <int N>
   for (int i = 0; i < N / kLanes<N>; ++i) lanes<N>(y)[i].v = even[i] + odd[i];
 }
 
-/// Columns j … j + width - 1 of A B, from the vector `first` of each on; b(q, j) is an entry of B.
+/// Columns j … j + width - 1 of A B, in each starting with the vector `first`; b(q, j) is an entry
+/// of B.
 template <int N, int width, int first, class Entry>
 [[gnu::always_inline]] inline void multiply_columns(const Square<N>& A, const Entry& b,
                                                     std::ptrdiff_t j, Square<N>& result) {
@@ -95,7 +96,7 @@ template <int N, int width, int first, class Entry>
 
 template <int N>
 void propagate_columns(const Square<N>& F, Square<N>& P, const Square<N>* Q) {
-  // As many columns at once as leave their sums in registers.
+  // As many columns together as keep their sums in registers.
   constexpr int width = N <= 12 ? 4 : 2;
   Square<N> FP;
   for (std::ptrdiff_t j = 0; j < N; j += width)
@@ -111,10 +112,10 @@ void propagate_columns(const Square<N>& F, Square<N>& P, const Square<N>* Q) {
     for (int i = 0; i < j; ++i) P(i, j) = P(j, i);
 }
 
-/// P ← F P Fᵀ + Q, symmetric to the bit. Q may be null.
+/// P ← F P Fᵀ + Q, exactly symmetric. Q may be null.
 template <int N>
 [[gnu::always_inline]] inline void propagate(const Square<N>& F, Square<N>& P, const Square<N>* Q) {
-  if constexpr (N == 2) {  // in registers: P is waited for at each step
+  if constexpr (N == 2) {  // in registers: P is on the critical path of each step
     const auto *f = lanes<2>(F.at), *q = Q == nullptr ? nullptr : lanes<2>(Q->at);
     const Vector<2> FP0 = f[0].v * P(0, 0) + f[1].v * P(1, 0);
     const Vector<2> FP1 = f[0].v * P(1, 0) + f[1].v * P(1, 1);
@@ -143,8 +144,8 @@ template <int N>
   for (int j = 0; j < N; ++j) add_scaled<N>(factor * b[j], a, M.column(j));
 }
 
-/// Some of the numbers that a matrix is multiplied by.
-/// @tparam fixed  how many, if the compiler knows, so that it unrolls loops; otherwise -1
+/// A part of the vector by which a matrix is multiplied.
+/// @tparam fixed  its length if the compiler knows it, so that it unrolls loops; otherwise -1
 template <int fixed = -1>
 struct Input {
   const double* at;
@@ -152,7 +153,7 @@ struct Input {
   [[nodiscard]] std::ptrdiff_t size() const { return fixed >= 0 ? fixed : count; }
 };
 
-/// even + odd += A x for eight rows of A; moves to the column after.
+/// even + odd += A x for eight rows of A; advances to the next column.
 template <int fixed>
 [[gnu::always_inline]] inline void add_columns(const double*& A, std::ptrdiff_t rows,
                                                const Input<fixed>& x, Vector<8>& even,

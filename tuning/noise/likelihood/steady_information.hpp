@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The information N of the adjoint pass over a stretch of steady gains, where a step is
-/// N ← A N Aᵀ + W with the same A and W: by doubling, in as many products as the stretch's length
-/// has binary digits.
+/// N ← A N Aᵀ + W with constant A and W. It is computed by doubling; the number of products is the
+/// number of binary digits of the length of the stretch.
 #pragma once
 
 #include <cmath>
@@ -17,21 +17,21 @@ struct SteadyInformation {
   Square<N> sum;   ///< of N before each step
 };
 
-/// What `steps` steps do: N becomes made + power N powerᵀ, and N before each step adds up to
-/// sum_made + the sum of what they make of the N that they start with.
+/// The map of `steps` steps: N becomes made + power N powerᵀ, and the sum of N before each step is
+/// sum_made + the sum of the propagated initial N.
 template <int N>
 struct StepsBack {
   std::int64_t steps = 0;
   Square<N> power, made, sum_made;
-  Square<N> sum_passed;  ///< of the one N that is started with
+  Square<N> sum_passed;  ///< sum for the initial N
 };
 
-/// `late` after `early`; whether `early` has forgotten its start: N at its end does not depend on
-/// what it began with, to rounding.
+/// Combines `late` after `early`. Returns whether `early` no longer depends on its start: N at its
+/// end is independent of the initial N up to rounding.
 template <int N>
 bool join(const StepsBack<N>& early, const StepsBack<N>& late, StepsBack<N>& both) {
-  // The N that `late` makes of nothing is one that `early` might have begun with, and so on: each
-  // step does the same, so the two may change places.
+  // The N that `late` makes from 0 may be the initial N of `early`, and so on: all steps are equal,
+  // so the two commute.
   StepsBack<N> result = late;
   propagate<N>(early.power, result.made, &early.made);
   propagate<N>(early.power, result.sum_made, &early.sum_made);
@@ -70,7 +70,7 @@ SteadyInformation<N> steady_information(const Square<N>& A, const Square<N>& W,
     if (left % 2 == 1) join(doubled, all, all);
     if (left == 1) break;
     if (!join(doubled, doubled, doubled)) continue;
-    // All further steps leave N as it is.
+    // All further steps do not change N.
     const auto more = static_cast<double>(steps - doubled.steps);
     for (int i = 0; i < N * N; ++i) doubled.sum_made.at[i] += more * doubled.made.at[i];
     all = doubled;

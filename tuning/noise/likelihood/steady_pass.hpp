@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The forward pass where its gains are steady.
+/// The forward pass with steady gains.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ namespace quadtune::internal {
 template <int N>
 class SteadyPass {
  public:
-  /// @param state  of the forward pass: read and moved on, but for its covariance
+  /// @param state  of the forward pass: read and advanced, except for its covariance
   /// @param tape, sensitivities  of the forward pass; may be null
   SteadyPass(const EngineModel<N>& model, const KernelRecord& record, const RunOptions& options,
              FilterState<N>& state, Tape<N>* tape, Sensitivities<N>* sensitivities)
@@ -28,7 +28,7 @@ class SteadyPass {
         tape_(tape),
         sensitivities_(sensitivities) {}
 
-  /// Whole blocks of the rest of a segment with the gains of the present P; moves k on.
+  /// Processes whole blocks of the rest of a segment with the gains of the current P; advances k.
   bool run(Eigen::Index& k, Eigen::Index end, LikelihoodSums<N>& sums) {
     SteadyState<N> own;
     if (tape_ != nullptr) tape_->steady.emplace_back();
@@ -65,7 +65,7 @@ class SteadyPass {
     return true;
   }
 
-  /// @param numbers  where to write the normalized innovations; may be null
+  /// @param numbers  output of the normalized innovations; may be null
   void run_piece(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                  LikelihoodSums<N>& sums, double* numbers) {
     steady.with_sizes([&](auto y_size, auto u_size) {
@@ -77,7 +77,7 @@ class SteadyPass {
   }
 
  private:
-  /// K, S and their derivatives, by the corrections of one instant, which are then undone.
+  /// Computes K, S and their derivatives by the corrections of one instant, which are then undone.
   bool find_gains(Eigen::Index k, SteadyState<N>& steady, LikelihoodSums<N>& sums) {
     const FilterState<N> before = state_;
     std::vector<typename Sensitivities<N>::Slope> slopes_before;
@@ -114,8 +114,8 @@ class SteadyPass {
   void run_blocks(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                   LikelihoodSums<N>& sums, double* numbers) {
     const Eigen::Index e_rows = steady.innovation_rows();
-    alignas(64) double out[2][kMostOutputs + (N + 15) / 8 * 8];
-    Vector<4> squares[kMostOutputs / 4] = {};
+    alignas(64) double out[2][kMaxOutputs + (N + 15) / 8 * 8];
+    Vector<4> squares[kMaxOutputs / 4] = {};
     const double* x = state_.x.at;
     int side = 0;
     for (; k < stop; k += steady.block, side = 1 - side) {
@@ -136,7 +136,7 @@ class SteadyPass {
   }
 
   /// The same for two states and one output: a block is one vector, [ē; x⁺; 0; 0] of four samples,
-  /// which does not leave its register from one block to the next.
+  /// which stays in its register from one block to the next.
   template <int u_size>
   void run_two_states(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                       LikelihoodSums<N>& sums, double* numbers) {
@@ -160,7 +160,7 @@ class SteadyPass {
     for (int i = 0; i < N; ++i) state_.x.at[i] = out[4 + i];
   }
 
-  /// The same with e'/√S, whose products make up gradient and information.
+  /// The same with e'/√S, whose products are the terms of gradient and information.
   template <int y_size, int u_size>
   void run_steady_sensitivities(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                                 LikelihoodSums<N>& sums) {
@@ -168,13 +168,13 @@ class SteadyPass {
     const Eigen::Index e_rows = steady.innovation_rows();
     const Eigen::Index rows = y_size == 4 ? 8 : steady.rows(N);
     const auto samples = static_cast<double>(stop - k);
-    // Columns: of each parameter, and the run itself.
+    // Columns: one for each parameter, and one for the run itself.
     Eigen::MatrixXd now = Eigen::MatrixXd::Zero(rows, p + 1), next = now;
     std::copy_n(state_.x.at, N, now.col(p).data() + e_rows);
     for (Eigen::Index a = 0; a < p; ++a)
       std::copy_n(sensitivities_->slopes[static_cast<std::size_t>(a)].x.at, N,
                   now.col(a).data() + e_rows);
-    Eigen::Matrix4Xd products = Eigen::Matrix4Xd::Zero(4, p * (p + 3) / 2);  // one a pair
+    Eigen::Matrix4Xd products = Eigen::Matrix4Xd::Zero(4, p * (p + 3) / 2);  // one per pair
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(e_rows);
     for (; k < stop; k += steady.block, now.swap(next)) {
       const Input<y_size> y = {record_.y + k * record_.ny, steady.block * record_.ny};
@@ -216,7 +216,8 @@ class SteadyPass {
     lanes<4>(sum)->v += lanes<4>(a)->v * lanes<4>(b)->v;
   }
 
-  /// What S' adds to gradient, -½ Σ (1 - ē²) S'/S, and information, ½ Σ (S'/S)(S'/S)ᵀ.
+  /// Adds the contribution of S' to the gradient, -½ Σ (1 - ē²) S'/S, and to the information, ½ Σ
+  /// (S'/S)(S'/S)ᵀ.
   void add_steady_variances(const SteadyState<N>& steady, double samples,
                             const Eigen::VectorXd& squares) {
     const auto p = static_cast<Eigen::Index>(sensitivities_->slopes.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The filter with the constant gains of a covariance that has converged: linear maps that take a
-/// block of samples at once, so that the state is waited for once a block.
+/// The filter with the constant gains of a converged covariance: linear maps of a block of samples,
+/// so that the latency of the state recursion occurs once per block.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 
 namespace quadtune::internal {
 
-/// Whether P, and P' of each parameter where they are carried along, have converged.
+/// Whether P, and P' of each parameter if they are computed, have converged.
 template <int N>
 class SteadyTest {
  public:
@@ -36,7 +36,7 @@ class SteadyTest {
   }
 
  private:
-  /// Relative to the standard deviations; infinite where one of them is 0.
+  /// Change relative to the standard deviations; infinite if one of them is 0.
   static double change_of(const Square<N>& now, const Square<N>& before, const Square<N>& P) {
     double max = 0;
     for (int j = 0; j < N; ++j)
@@ -53,17 +53,17 @@ class SteadyTest {
   Convergence convergence_;
 };
 
-/// Gains that are held for some samples. Innovations are normalized, ē = e/√S. Their rows and those
-/// of the state are padded, so that vectors lie in one line of the cache.
+/// Gains that are held constant for some samples. Innovations are normalized, ē = e/√S. Their rows
+/// and those of the state are padded, so that vectors do not cross cache lines.
 template <int N>
 struct SteadyState {
   std::uint32_t transition = 0;
   Eigen::Index samples = 0;  ///< a multiple of `block`
-  Eigen::Index block = 1;    ///< samples that the maps take at once: four innovations or more
+  Eigen::Index block = 1;    ///< samples per application of the maps: at least four innovations
   Eigen::Index ny = 0, nu = 0;
   std::vector<Column<N>> K;        ///< ny
   std::vector<double> S;           ///< ny
-  std::vector<Column<N>> K_slope;  ///< K' and S' of output i by parameter a: [i p + a]
+  std::vector<Column<N>> K_slope;  ///< K' and S' of output i for parameter a: [i p + a]
   std::vector<double> S_slope;
 
   Eigen::MatrixXd forward;                     ///< [ē; x⁺] of [y; u; x]
@@ -72,13 +72,13 @@ struct SteadyState {
   Square<N> backward_step;                     ///< r before one sample, of r after it
 
   [[nodiscard]] Eigen::Index innovation_rows() const { return (block * ny + 3) / 4 * 4; }
-  /// @param n  after the innovations
+  /// @param n  number of rows after the innovations
   [[nodiscard]] Eigen::Index rows(Eigen::Index n) const {
     return (innovation_rows() + n + 7) / 8 * 8;
   }
 
-  /// f(how many outputs, inputs of a block): known to the compiler for two states and one output,
-  /// of which a sample takes as long as a few instructions; otherwise -1.
+  /// Calls f(number of outputs, of inputs of a block): compile-time constants for two states and
+  /// one output, for which a sample takes only a few instructions; otherwise -1.
   template <class Function>
   void with_sizes(Function&& f) const {
     using std::integral_constant;
@@ -89,7 +89,7 @@ struct SteadyState {
     f(integral_constant<int, -1>(), integral_constant<int, -1>());
   }
 
-  /// Fills the maps forward by what the filter does to unit vectors.
+  /// Computes the forward maps from the response of the filter to unit vectors.
   void fill_forward(const EngineModel<N>& model, Sensitivities<N>* sensitivities) {
     const std::size_t p = sensitivities == nullptr ? 0 : sensitivities->slopes.size();
     const Eigen::Index e_rows = innovation_rows(), inputs = block * (ny + nu);
@@ -114,7 +114,7 @@ struct SteadyState {
     for (Eigen::MatrixXd& map : forward_slope) map.rightCols(N) = forward.rightCols(N);
   }
 
-  /// Likewise, of the adjoint in adjoint_pass.hpp.
+  /// Likewise for the adjoint in adjoint_pass.hpp.
   void fill_backward(const EngineModel<N>& model) {
     const Eigen::Index e_rows = innovation_rows(), inputs = block * ny;
     backward.setZero(rows(block * N), inputs + N);
@@ -144,7 +144,7 @@ struct SteadyState {
                       const double* u, Column<N>& x, std::vector<Column<N>>& x_slope,
                       Eigen::Index row, Eigen::Index column) {
     const Transition<N>& step = model.transitions[transition];
-    double z[kMostOutputs];
+    double z[kMaxOutputs];
     for (Eigen::Index i = 0; i < ny; ++i) {
       const auto q = static_cast<std::size_t>(i);
       const SparseRow<N> c = model.C[q];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a forward pass leaves for the adjoint pass.
+/// Results of a forward pass that the adjoint pass reads.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,28 +11,28 @@
 
 namespace quadtune::internal {
 
-/// A stretch of a record that the adjoint pass goes through in one go.
+/// A stretch of a record that the adjoint pass processes at once.
 template <int N>
 struct TapePiece {
   Eigen::Index begin = 0, end = 0;
   int steady = -1;          ///< index of its gains; -1: they change
   FilterState<N> start;     ///< before `begin`
-  Eigen::VectorXd numbers;  ///< empty: there was no room, the stretch is filtered once more
+  Eigen::VectorXd numbers;  ///< empty: they did not fit, so the stretch is filtered again
 };
 
-/// What a forward pass leaves for the adjoint pass; kept from one evaluation to the next, so that
-/// these allocate little.
+/// Results of a forward pass that the adjoint pass reads; reused by the next evaluation to avoid
+/// allocations.
 template <int N>
 class Tape {
  public:
   static constexpr Eigen::Index kPieceSamples = 1024;
   static constexpr Eigen::Index kEntry = N + 2;  ///< numbers of one measurement: K, 1/S, e/S
 
-  /// Steady samples take a tenth of the time of others, so that passes ask less often whether to go
-  /// on: not at all in a short record.
+  /// Steady samples take a tenth of the time of others, so that passes call `stop` less often:
+  /// never in a short record.
   static constexpr int kSteadyPiecesPerQuestion = 8;
 
-  std::vector<TapePiece<N>> pieces;  ///< of which `count` are in use
+  std::vector<TapePiece<N>> pieces;  ///< of which the first `count` are in use
   std::size_t count = 0;
   std::vector<SteadyState<N>> steady;
 

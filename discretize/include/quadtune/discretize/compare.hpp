@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far a sampled system is from the continuous one that it stands for.
+/// Errors of a sampled system relative to the continuous system that it approximates.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,46 +11,45 @@
 
 namespace quadtune {
 
-/// Errors of one sampled system. Each is 0 where nothing is lost.
+/// Errors of one sampled system; 0 if the approximation is exact.
 struct SamplingError {
-  /// max |log(z e^(-s dt))| / (|s| dt) over the poles s and z that belong to each other, nearest to
-  /// nearest: by which share of its size a pole has moved. Poles that die to 1e-6 within a sample
-  /// are left out. The same of a method at all dt where it
-  /// moves them by a power of dt.
+  /// max |log(z e^(-s dt))| / (|s| dt) over matched poles s and z (nearest to nearest): the
+  /// relative error of the poles. Poles that decay to less than 1e-6 within a sample are excluded.
+  /// Independent of dt for a method whose pole error is proportional to a power of dt.
   double pole = 0;
-  /// max |y_d[k] - y(k dt)| / max |y| after unit steps, until the slowest pole has died; infinite
-  /// when the sampled system is not stable.
+  /// max |y_d[k] - y(k dt)| / max |y| of unit step responses, until the slowest pole has decayed;
+  /// infinite if the sampled system is unstable.
   double step = 0;
-  /// max |G_d(e^(jw dt)) - G(jw)| / max |G| up to Nyquist; infinite likewise.
+  /// max |G_d(e^(jw dt)) - G(jw)| / max |G| up to the Nyquist frequency; infinite if unstable.
   double frequency = 0;
   bool stable = false;  ///< all |z| < 1
 };
 
-/// @param loop     stable; channels are its inputs to the outputs of the same index
-/// @param sampled  as many inputs, and outputs, as `loop`
-/// @throws InvalidInput  for systems that do not fit each other, or a `loop` that is not stable
+/// @param loop     stable; channel i is from input i to output i
+/// @param sampled  has the same numbers of inputs and outputs as `loop`
+/// @throws InvalidInput  if the systems' sizes disagree or `loop` is unstable
 [[nodiscard]] SamplingError sampling_error(const ContinuousLti& loop, const DiscreteLti& sampled);
 
-/// One channel of a system with the states that its input reaches and its output sees, by which
-/// entries are more than rounding.
-/// @throws InvalidInput  for an input or output that is not there
+/// One channel of a system with only the states that its input reaches and its output depends on,
+/// as determined by the entries that exceed rounding.
+/// @throws InvalidInput  if the input or output does not exist
 [[nodiscard]] ContinuousLti channel_of(const ContinuousLti& plant, Eigen::Index input,
                                        Eigen::Index output);
 
-/// Each channel of a system by a method; matched poles and zeros are taken channel by channel.
-/// @return  as many inputs as outputs; the channels do not act on one another
+/// Discretizes each channel of a system with a method; needed for matched poles and zeros.
+/// @return  as many inputs as outputs; the channels are decoupled
 /// @throws InvalidInput  as discretize()
 [[nodiscard]] DiscreteLti discretize_channels(const ContinuousLti& loop, double dt,
                                               DiscretizationMethod method);
 
-/// The longest period [s] up to which a method keeps a stable system stable: -2 Re s/|s|² of the
-/// worst pole for forward Euler, infinite for the others.
+/// The longest sample period [s] up to which a method preserves the stability of a stable system:
+/// the minimum of -2 Re s/|s|² over the poles for forward Euler, infinite for the other methods.
 [[nodiscard]] double stability_limit(const Eigen::VectorXcd& poles, DiscretizationMethod method);
 
-/// The same of any way to sample, by search upwards from `dt` [s], or downwards where it is not
-/// stable there, a sixteenth at a time, and bisection to 1e-9; infinite when none is met up to
-/// `longest` [s], 0 when it is not stable down to dt/1e4.
-/// @param sampled  the dynamics A for a period
+/// The same for any way to sample, by search and bisection to 1e-9. The search starts at `dt` [s]
+/// and goes up, or down if the system is unstable there, by a sixteenth at a time. Infinite if no
+/// limit is found up to `longest` [s]; 0 if the system is unstable down to dt/1e4.
+/// @param sampled  returns the dynamics A for a period
 [[nodiscard]] double stability_limit(const std::function<Eigen::MatrixXd(double)>& sampled,
                                      double dt, double longest);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One door to all methods of discretization.
+/// Discretization by any method.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace quadtune {
 
-/// How a continuous plant becomes a discrete one.
+/// Discretization methods.
 enum class DiscretizationMethod {
   zoh,             ///< exact for inputs held between samples, discretize_zoh()
   foh,             ///< exact for inputs linear between samples, discretize_foh()
@@ -23,30 +23,30 @@ enum class DiscretizationMethod {
 };
 
 /// "zoh", "foh", "impulse", "euler", "backward-euler", "tustin" or "matched", and back.
-/// @throws InvalidInput  naming the word, the methods that exist, and the nearest.
+/// @throws InvalidInput  with the unknown name, the known methods and the nearest of them.
 [[nodiscard]] std::string to_string(DiscretizationMethod method);
 [[nodiscard]] DiscretizationMethod discretization_method(const std::string& name,
                                                          const std::string& where);
 
-/// What a discretization may be told beside its method.
+/// Options of a discretization.
 struct DiscretizationOptions {
   std::optional<double> prewarp;  ///< [rad/s], for tustin only; discretize_tustin()
-  ChannelDelays delays;           ///< for fractions of a sample zoh only
+  ChannelDelays delays;           ///< fractions of a sample with zoh only
 };
 
 /// @param plant  A (nx × nx), B (nx × nu); time in seconds.
 /// @param dt     Sample period [s], 0 < dt < ∞.
-/// @throws InvalidInput  as the method's own function and with_delays(), and for prewarping with
-///                       another method than tustin.
+/// @throws InvalidInput  as the function of the method and with_delays(), and for prewarping with a
+///                       method other than tustin.
 [[nodiscard]] DiscreteLti discretize(const ContinuousLti& plant, double dt,
                                      DiscretizationMethod method,
                                      const DiscretizationOptions& options = {});
 
-/// The same for a transfer function. Its whole samples of delay become those of the result; a
-/// fraction, for zoh only, is a pole at 0 and a zero.
+/// The same for a transfer function. Whole samples of its delay become the delay of the result; a
+/// fraction, with zoh only, becomes a pole at 0 and a zero.
 ///
-/// @param options  without delays of channels: the plant has its own
-/// @return         den is monic, its roots are the plant's poles as the method takes them.
+/// @param options  without channel delays: the plant has its own delay
+/// @return         den is monic; its roots are the images of the plant's poles under the method.
 /// @throws InvalidInput  likewise.
 [[nodiscard]] DiscreteTransferFunction discretize(const ContinuousTransferFunction& plant,
                                                   double dt, DiscretizationMethod method,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The matrix exponential: Taylor series of adaptive degree, scaling and doubling.
+/// The matrix exponential by a Taylor series of adaptive degree with scaling and doubling.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,11 @@
 
 namespace quadtune {
 
-/// How an exponential ended.
+/// The outcome of the computation of an exponential.
 enum class ExponentialStatus {
   not_run,
   solved,
-  overflow,  ///< an entry of the result is beyond the range of a double
+  overflow,  ///< an entry of the result exceeds the range of a double
 };
 
 /// The exponential, or the reason why there is none.
@@ -22,15 +22,15 @@ struct ExponentialResult {
   [[nodiscard]] bool solved() const { return status == ExponentialStatus::solved; }
 };
 
-/// e^A to a few units of rounding times the condition of the problem, for any norm of A.
+/// e^A to a few rounding units times the condition number of the problem, for any norm of A.
 ///
 /// @param A  (n × n), n ≥ 1
-/// @throws InvalidInput  when A is not square or has an entry that is not finite.
+/// @throws InvalidInput  if A is not square or has an entry that is not finite.
 /// Source: truncation by Al-Mohy and Higham 2009 (norms of powers), evaluation by Paterson and
 ///         Stockmeyer 1973; docs/theory.md, "Discretization".
 [[nodiscard]] ExponentialResult matrix_exponential(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
-/// The same for many matrices of one size: solve() allocates nothing.
+/// The same for many matrices of one size: solve() does not allocate.
 class MatrixExponential {
  public:
   /// @param n  rows of the matrices, ≥ 1
@@ -42,8 +42,8 @@ class MatrixExponential {
   /// E = e^A.
   ///
   /// @param A  (n × n), finite
-  /// @param E  (n × n) the result; all NaN unless solved; may be A itself
-  /// @throws InvalidInput  for another shape or an entry that is not finite.
+  /// @param E  (n × n) the result, all NaN unless solved; may be A itself
+  /// @throws InvalidInput  if a shape differs or an entry is not finite.
   [[nodiscard]] ExponentialStatus solve(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                         Eigen::Ref<Eigen::MatrixXd> E);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a sample period is short enough for a plant.
+/// Warnings about a sample period that is long for a plant.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace quadtune {
 
-/// |pole| dt above which a sample period is long: fewer than 4π = 13 samples in the period of a
-/// mode, or fewer than two in its time constant.
+/// A sample period is long if |pole| dt exceeds this: fewer than 4π ≈ 13 samples per period of a
+/// mode, or fewer than two per time constant.
 inline constexpr double kLongPeriod = 0.5;
 
-/// One line for each pole, of a conjugate pair for both, whose |pole| dt exceeds kLongPeriod, the
-/// fastest first; of all but the four fastest, their number. "the pole at -120 1/s is fast for
-/// dt = 0.01 s: |pole| dt is 1.2, expected at most 0.5; take dt <= 0.00417 s". Warnings and no
-/// refusals: the holds stay exact at the samples, but a computer that sees so few of them cannot do
-/// much about such a mode, and the approximations of it are coarse.
+/// One line per pole, or per conjugate pair, whose |pole| dt exceeds kLongPeriod, the fastest
+/// first; only the four fastest are listed, the others are counted. "the pole at -120 1/s is fast
+/// for dt = 0.01 s: |pole| dt is 1.2, expected at most 0.5; use dt <= 0.00417 s". These are
+/// warnings and not errors: the holds remain exact at the samples, but a sampled controller has
+/// little authority over such a mode, and approximations of it are coarse.
 ///
 /// @param poles  of a continuous plant [1/s]
 /// @param dt     Sample period [s], 0 < dt < ∞.

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Integrals of the matrix exponential: what a continuous cost and a continuous noise become when a
-/// computer samples the plant.
+/// Integrals of the matrix exponential: the discrete equivalents of a continuous cost and of
+/// continuous noise for a sampled plant.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace quadtune {
 
-/// The zero-order hold of a plant together with the cost over one sample: for inputs held between
-/// samples, ∫ xᵀQx + 2xᵀNu + uᵀRu dt over each sample is xᵀQx + 2xᵀNu + uᵀRu of the sample, with
-/// the matrices here.
+/// The zero-order hold of a plant and the cost over one sample: for inputs held between samples, ∫
+/// xᵀQx + 2xᵀNu + uᵀRu dt over a sample equals xᵀQx + 2xᵀNu + uᵀRu at its start, with the matrices
+/// of this struct.
 struct SampledCost {
   Eigen::MatrixXd A;  ///< (nx × nx) e^(A dt)
   Eigen::MatrixXd B;  ///< (nx × nu) ∫ e^(Aτ) dτ B
-  Eigen::MatrixXd Q;  ///< (nx × nx) symmetric, ≥ 0 where the continuous cost is
-  Eigen::MatrixXd R;  ///< (nu × nu) symmetric; > 0 even where the continuous R is only ≥ 0 and seen
-  Eigen::MatrixXd N;  ///< (nx × nu); not small at flight-control rates
+  Eigen::MatrixXd Q;  ///< (nx × nx) symmetric, ≥ 0 if the continuous cost is
+  /// (nu × nu) symmetric; can be > 0 even if the continuous R is only ≥ 0.
+  Eigen::MatrixXd R;
+  Eigen::MatrixXd N;  ///< (nx × nu); not negligible at flight-control rates
 };
 
 /// @param A   (nx × nx), nx ≥ 1 [1/s times units]
@@ -24,16 +25,17 @@ struct SampledCost {
 /// @param R   (nu × nu) symmetric
 /// @param N   (nx × nu), or empty for zero
 /// @param dt  Sample period [s], 0 < dt < ∞.
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry, dt out of range or so long that
-///                       an entry of the result exceeds the range of a double.
-/// Source: Van Loan 1978 (what is computed); docs/theory.md, "Discretization" (how).
+/// @throws InvalidInput  if shapes disagree, an entry is not finite, a weight is not symmetric, or
+///                       dt is out of range or so long that an entry of the result exceeds the
+///                       range of a double.
+/// Source: Van Loan 1978 (definition); docs/theory.md, "Discretization" (algorithm).
 [[nodiscard]] SampledCost sampled_cost(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                        const Eigen::Ref<const Eigen::MatrixXd>& B,
                                        const Eigen::Ref<const Eigen::MatrixXd>& Q,
                                        const Eigen::Ref<const Eigen::MatrixXd>& R,
                                        const Eigen::Ref<const Eigen::MatrixXd>& N, double dt);
 
-/// What continuous process noise adds to the state over one sample.
+/// The covariance that continuous process noise adds to the state over one sample.
 struct SampledNoise {
   Eigen::MatrixXd A;  ///< (nx × nx) e^(A dt)
   Eigen::MatrixXd Q;  ///< (nx × nx) covariance per step: symmetric, ≥ 0

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Zero-order hold: what a computer that holds its outputs between samples makes of a plant.
+/// Zero-order hold: the exact discrete model of a plant whose inputs are held between samples.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,12 +15,11 @@ namespace quadtune {
 /// @param dt     Sample period [s], 0 < dt < ∞.
 /// @return       A_d = e^(A dt), B_d = ∫₀^dt e^(Aτ) dτ B; C, D, names and units unchanged.
 /// @throws InvalidInput  if dt is out of range, shapes disagree, an entry is not finite, or dt is
-/// so
-///                       long that an entry of the result exceeds the range of a double.
-/// Source: Van Loan 1978 (what is computed); docs/theory.md, "Discretization" (how).
+///                       so long that an entry of the result exceeds the range of a double.
+/// Source: Van Loan 1978 (definition); docs/theory.md, "Discretization" (algorithm).
 [[nodiscard]] DiscreteLti discretize_zoh(const ContinuousLti& plant, double dt);
 
-/// The same for many plants of one size: solve() allocates nothing.
+/// The same for many plants of one size: solve() does not allocate.
 class ZohWorkspace {
  public:
   /// @param nx  states, ≥ 1
@@ -35,7 +34,7 @@ class ZohWorkspace {
   /// @param dt  Sample period [s], 0 < dt < ∞.
   /// @param Ad  (nx × nx) receives e^(A dt); must not share memory with A
   /// @param Bd  (nx × nu) receives ∫₀^dt e^(Aτ) dτ B; must not share memory with B
-  /// @throws InvalidInput  as discretize_zoh(); Ad and Bd are all NaN then.
+  /// @throws InvalidInput  as discretize_zoh(); Ad and Bd are then all NaN.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& B,
              double dt, Eigen::Ref<Eigen::MatrixXd> Ad, Eigen::Ref<Eigen::MatrixXd> Bd);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * To be replaced by the drivers of your board. As it stands it is a vehicle at rest on the ground,
- * whose motors stay idle, for one second.
+ * Replace this file by the drivers of your board. As delivered, it simulates a vehicle at rest on
+ * the ground, whose motors idle for one second.
  */
 #include <stdio.h>
 

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The control law as an out-of-tree controller of the Crazyflie firmware (written for 2026.08;
- * older releases need a power distribution that knows controlModeForce). The firmware's own
- * estimator gives the states; the thrusts of the four rotors go to its power distribution as
- * fractions of THRUST_MAX, in the order of its motors.
+ * older releases need a power distribution that supports controlModeForce). The states are those of
+ * the firmware's own estimator; the thrusts of the four rotors are passed to its power distribution
+ * as fractions of THRUST_MAX, in the order of its motors.
  *
  * Axes: the firmware's x is forward, y left, z up; the law's are forward, right, down. Its angles
- * and rates are in degrees; the attitude is taken from the quaternion, because the firmware's
- * `attitude.pitch` has the sign of an older convention. In a set point, `attitude.pitch` has that
- * sign as well: positive with the nose up.
+ * and rates are in degrees; the attitude is computed from the quaternion, because the firmware's
+ * `attitude.pitch` has the sign of an older convention. The `attitude.pitch` of a set point has
+ * that sign as well: positive with the nose up.
  *
- * A set point may ask for positions, or for velocities, or for roll and pitch angles with a height
- * or a climb rate; and for a heading or its rate. An axis that is not asked for stays where it was.
- * Rates of roll and pitch are not flown. Where a pilot gives thrust in place of a height, half of
- * it holds the height, more climbs and less descends, by 0.5 m/s at most; it does not start a
- * flight. A thrust of 0 without a height stops the motors, in the air as well, and resets the law.
+ * A set point may contain positions, or velocities, or roll and pitch angles with a height or a
+ * climb rate; and a heading or its rate. An axis without a set point holds its last value. Rates of
+ * roll and pitch are ignored. If a pilot gives thrust instead of a height, half of it holds the
+ * height, more climbs and less descends, by at most 0.5 m/s; it does not start a flight. A thrust
+ * of 0 without a height stops the motors, also in the air, and resets the law.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -30,10 +30,9 @@
 
 /* The firmware calls the controller every millisecond. */
 #define STEPS QT_STEPS_PER_PERIOD
-/* Periods over which the last commands bridge an estimate that is not finite: a tenth of a second.
- */
+/* Periods for which the last commands are kept while the estimate is not finite: 0.1 s. */
 #define BRIDGED (100u / STEPS)
-/* A reference that moves stays this near to the vehicle, whatever holds it. */
+/* Maximum distance between a moving reference and the vehicle. */
 #define POSITION_LEASH 1.0f /* [m] */
 #define YAW_LEASH 1.0f      /* [rad] */
 #define PILOT_CLIMB 0.5f    /* [m/s] */
@@ -56,7 +55,7 @@ static qt_real near_to(qt_real angle, qt_real to) {
   return angle + ((2.0f * QT_PI) * qt_nearest((to - angle) / (2.0f * QT_PI)));
 }
 
-/* The heading of a quaternion of the firmware, in the law's sense. */
+/* The heading of a quaternion of the firmware, with the sign of the law. */
 static qt_real heading_of(const quaternion_t *q) {
   return -atan2f(2.0f * ((q->w * q->z) + (q->x * q->y)),
                  1.0f - (2.0f * ((q->y * q->y) + (q->z * q->z))));
@@ -67,9 +66,9 @@ static bool all_finite(const qt_estimate_t *e) {
          qt_is_finite(e->roll) && qt_is_finite(e->pitch) && qt_is_finite(e->yaw);
 }
 
-/* Returns whether the estimate is finite; otherwise `estimate` stays as it is. */
+/* Returns whether the estimate is finite; otherwise `estimate` is not changed. */
 static bool read_estimate(const state_t *from, const sensorData_t *sensors) {
-  /* y and z change their signs, of the vector part of the quaternion as well. */
+  /* y and z change their signs, also in the vector part of the quaternion. */
   const qt_real w = from->attitudeQuaternion.w;
   const qt_real x = from->attitudeQuaternion.x;
   const qt_real y = -from->attitudeQuaternion.y;
@@ -111,12 +110,12 @@ static void hold_here(void) {
   }
 }
 
-/* One axis of the position: as asked for, or moved on by the velocity that is asked for. */
+/* One axis of the position: as commanded, or advanced by the commanded velocity. */
 static void follow(stab_mode_t mode, qt_real position, qt_real velocity, int axis) {
   qt_real *to = &reference.position[axis];
   const qt_real here = estimate.position[axis];
   if (mode != last_mode[axis]) {
-    *to = here; /* an older goal does not count any more */
+    *to = here; /* discards an older target */
   }
   last_mode[axis] = mode;
   reference.velocity[axis] = 0.0f;
@@ -127,7 +126,7 @@ static void follow(stab_mode_t mode, qt_real position, qt_real velocity, int axi
     *to = qt_clamp(*to + (velocity * QT_DT), here - POSITION_LEASH, here + POSITION_LEASH);
     reference.velocity[axis] = velocity;
   } else {
-    /* The axis stays where it was. */
+    /* The axis holds its last value. */
   }
 }
 
@@ -147,7 +146,7 @@ static void turn(const setpoint_t *from) {
     reference.yaw = qt_clamp(reference.yaw + (rate * QT_DT), estimate.yaw - YAW_LEASH,
                              estimate.yaw + YAW_LEASH);
   } else {
-    /* The heading stays where it was. */
+    /* The heading holds its last value. */
   }
 }
 
@@ -180,7 +179,7 @@ static void read_reference(const setpoint_t *from) {
   turn(from);
 }
 
-/* More than THRUST_MAX is left to the firmware, which then lowers all motors alike. */
+/* More than THRUST_MAX is left to the firmware, which then reduces all motors equally. */
 static void send(control_t *control) {
   const qt_motors_t *motors = &qt_parameters.motors;
   control->controlMode = controlModeForce;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The flight program on a computer with POSIX clocks: one control period every @DT@ s, at instants
- * that do not drift. adapter_board.c has what is between this program and sensors, pilot and
- * motors.
+ * that do not drift. adapter_board.c is the interface to sensors, pilot and motors.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -18,7 +17,7 @@
 static qt_state_t state;
 static qt_output_t output;
 
-/* Ctrl-C and a request to end stop the motors, as the end of a flight does. */
+/* Ctrl-C and a termination request stop the motors, as does the end of a flight. */
 static volatile sig_atomic_t asked_to_end;
 
 static void end(int signal_number) {

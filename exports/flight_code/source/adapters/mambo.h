@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The control law behind the interface of the Mambo's model project: the functions and global
- * structures that Embedded Coder gives a model `flightController` (but for flightController_M,
- * which tells of errors and time), whose input is a reference and the states of the model project's
- * own estimator.
+ * structures that Embedded Coder generates for a model `flightController` (except
+ * flightController_M, which reports errors and time), whose inputs are a reference and the states
+ * of the model project's own estimator.
  */
 #ifndef ADAPTER_MAMBO_H
 #define ADAPTER_MAMBO_H

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The control law as a module of PX4 (written for v1.15). PX4's own estimator gives the states; the
- * thrusts of the rotors go to `actuator_motors`.
+ * The control law as a module of PX4 (written for v1.15). The states are those of PX4's own
+ * estimator; the thrusts of the rotors are sent to `actuator_motors`.
  *
- * Before it flies:
+ * Before the first flight:
  * - stop mc_rate_control, mc_att_control, mc_pos_control and control_allocator;
  * - compare the order of the motors in rotor_of_motor with the CA_ROTOR parameters of the airframe;
- * - set COM_DISARM_LAND and COM_DISARM_PRFLT to -1 until you have seen that the land detector,
- * which judges by vehicle_thrust_setpoint, does not take your hover for standing on the ground.
+ * - set COM_DISARM_LAND and COM_DISARM_PRFLT to -1 until you have verified that the land detector,
+ *   which evaluates vehicle_thrust_setpoint, does not mistake your hover for standing on the
+ *   ground.
  *
- * A control of 1 means the thrust of a rotor at its greatest command; THR_MDL_FAC must describe how
- * your motors' thrust depends on their signal (0 where it is proportional to it).
+ * A control of 1 means the thrust of a rotor at its maximum command; THR_MDL_FAC must describe how
+ * the thrust of your motors depends on their signal (0 if it is proportional).
  *
- * It follows trajectory_setpoint, in whatever mode. Where none came in the last half second, or
- * since arming, it stays where it is; on the ground it waits with idle motors until a climb is
- * asked for. Sticks do not act by themselves.
+ * It follows trajectory_setpoint, in any mode. Without a message in the last half second, or since
+ * arming, it holds its position; on the ground it waits with idle motors until a climb is
+ * commanded. Sticks have no direct effect.
  */
 #include <drivers/drv_hrt.h>
 #include <px4_platform_common/module.h>
@@ -41,14 +42,14 @@ extern "C" {
 /* Rotor of the law for each motor of the airframe. */
 static constexpr int rotor_of_motor[QT_ROTORS] = {QT_ROTORS_OF_MOTORS};
 
-/* Ages beyond which a message does not count [us]. */
+/* Ages above which a message is ignored [us]. */
 static constexpr hrt_abstime kRatesAge = 20000;
 static constexpr hrt_abstime kAttitudeAge = 50000;
 static constexpr hrt_abstime kPositionAge = 500000;
 static constexpr hrt_abstime kSetpointAge = 500000;
-/* For so long the last commands bridge what is missing [us]. */
+/* Duration for which the last commands are kept if messages are missing [us]. */
 static constexpr hrt_abstime kBridge = 100000;
-/* A reference that moves stays this near to the vehicle, whatever holds it [m], [rad]. */
+/* Maximum distance between a moving reference and the vehicle [m], [rad]. */
 static constexpr qt_real kPositionLeash = 1.0f;
 static constexpr qt_real kYawLeash = 1.0f;
 
@@ -170,9 +171,9 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
   }
 
   /*
-   * World north-east-down and body forward-right-down, as the law has them. Without a place on the
-   * map the law flies level; without a height it holds the last one, with the climb rate taken for
-   * 0. returns: false without a present attitude or rates
+   * World north-east-down and body forward-right-down, as in the law. Without a position on the map
+   * the law flies level; without a height it holds the last one, with a climb rate of 0.
+   * returns: false without a current attitude or current rates
    */
   bool read_estimate(hrt_abstime now) {
     vehicle_attitude_s attitude{};
@@ -223,8 +224,8 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     return true;
   }
 
-  /* Where the estimator jumps, what is held jumps with it. Where it begins to know a place or a
-   * height, the reference begins there. */
+  /* If the estimate jumps, the held reference jumps with it. When the estimator starts to know a
+   * position or a height, the reference starts there. */
   void follow_resets(const vehicle_local_position_s &position, bool placed, bool high) {
     for (int i = 0; i < 2; ++i) {
       if (placed && !_placed) {
@@ -256,7 +257,7 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
                                          : Asked::nothing;
   }
 
-  /* One axis of the position: as asked for, or moved on by the velocity that is asked for. */
+  /* One axis of the position: as commanded, or advanced by the commanded velocity. */
   void follow(Asked asked, float value, float rate, bool known, int axis) {
     qt_real &to = _reference.position[axis];
     const qt_real here = _estimate.position[axis];
@@ -302,7 +303,7 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     const qt_motors_t &motors = qt_parameters.motors;
     actuator_motors_s out{};
     qt_real all = 0.0f;
-    qt_real most = 0.0f;
+    qt_real max = 0.0f;
     for (int m = 0; m < actuator_motors_s::NUM_CONTROLS; ++m) {
       out.control[m] = NAN; /* no such motor */
     }
@@ -311,19 +312,18 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
       const qt_real w = _output.speed[i];
       const qt_real thrust = ((motors.a2[i] * w) + motors.a1[i]) * w;
       all += thrust;
-      most += motors.greatest[i];
-      out.control[m] =
-          _output.estimate.finite ? qt_clamp(thrust / motors.greatest[i], 0.0f, 1.0f) : NAN;
+      max += motors.max[i];
+      out.control[m] = _output.estimate.finite ? qt_clamp(thrust / motors.max[i], 0.0f, 1.0f) : NAN;
     }
     out.timestamp = hrt_absolute_time();
     out.timestamp_sample = out.timestamp;
     _motors_pub.publish(out);
-    /* What the land detector and the logs look at. */
+    /* Used by the land detector and the logs. */
     vehicle_thrust_setpoint_s thrust{};
     vehicle_torque_setpoint_s torque{};
     thrust.timestamp = torque.timestamp = out.timestamp;
     thrust.timestamp_sample = torque.timestamp_sample = out.timestamp;
-    thrust.xyz[2] = -all / most;
+    thrust.xyz[2] = -all / max;
     for (int i = 0; i < 3; ++i) {
       torque.xyz[i] = _output.wrench[1 + i];
     }

@@ -14,12 +14,12 @@
  * In the order of the vectors, and of the rows and columns of K:
  * @SIGNALS@
  *
- * Each point was linearized at the heading @YAW@ rad. At another heading give horizontal positions,
- * their set points and their integrals in axes that are turned with the vehicle.
+ * Each point was linearized at the heading @YAW@ rad. At another heading, rotate horizontal
+ * positions, their set points and their integrals with the vehicle.
  * Angles are not wrapped: give x and sp of a heading without jumps.
  * Sample time: @SAMPLE_TIME@.
  *
- * No heap, no input or output, no recursion, no state: every call depends on its arguments alone.
+ * No heap, no input or output, no recursion, no state: every call depends only on its arguments.
  */
 #ifndef QT_H
 #define QT_H
@@ -34,7 +34,7 @@ typedef float qt_real;
 #define QT_INTEGRALS 1
 #endif
 
-/* Where a flight stands in the schedule. */
+/* A point of the schedule. */
 typedef struct {
 #if QT_WITH_SPEED
   qt_real speed; /* over the ground along the heading [m/s] */
@@ -60,13 +60,13 @@ typedef struct {
 #endif
 } qt_gains_t;
 
-/* The flight in which the vehicle is balanced. */
+/* The trim of the vehicle. */
 typedef struct {
   qt_real x0[QT_STATES]; /* states */
   qt_real u0[QT_INPUTS]; /* inputs */
 } qt_trim_t;
 
-/* What a look into the schedule gives. */
+/* The result of a lookup in the schedule. */
 typedef enum {
   QT_FOUND = 0,     /* the point lies within the grid */
   QT_NEAREST = 1,   /* beyond it: each value counts as the nearest that its axis has */
@@ -74,18 +74,17 @@ typedef enum {
   QT_NOT_FINITE = 3 /* a value is infinite or NaN: nothing was written */
 } qt_status_t;
 
-/* K@AND_K_INT@ at a point. Where nothing is written, the gains before hold: fill them once at a
- * point that has gains before the first flight, and look at the status. */
+/* K@AND_K_INT@ at a point. If there is no result, the previous gains are kept: initialize them at a
+ * point that has gains before the first flight, and check the status. */
 qt_status_t qt_gains(const qt_point_t *point, qt_gains_t *gains);
 
 /* x0 and u0 at a point, likewise. */
 qt_status_t qt_trim(const qt_point_t *point, qt_trim_t *trim);
 
-/* u of the law above, not limited to what the motors can do. In flight take the gains at the flight
- * that is estimated, but u0 and sp at the flight that is asked for. sp is x0, but positions and
- * heading are those of the moving reference, or x's own where nothing shall hold them: x0 has 0
- * there. A trim at the estimated flight would feed it back to the inputs, for which no gain
- * accounts. */
+/* u of the law above, without the limits of the motors. In flight, use the gains at the estimated
+ * flight, but u0 and sp at the commanded flight. sp is x0, except that positions and heading are
+ * those of the moving reference, or x's own if they are not controlled: x0 has 0 there. A trim at
+ * the estimated flight would feed it back to the inputs, for which the gains do not account. */
 #if QT_WITH_INTEGRALS
 void qt_law(const qt_gains_t *gains, const qt_real u0[QT_INPUTS], const qt_real sp[QT_STATES],
             const qt_real x[QT_STATES], const qt_real x_int[QT_INTEGRALS], qt_real u[QT_INPUTS]);

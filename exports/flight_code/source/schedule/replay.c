@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Looks recorded points up in the schedule, on a computer with an operating system.
+ * Evaluates recorded points of the schedule, on a computer with an operating system.
  *
  *   replay points.txt   compares status, gains, trim and inputs with those of the file, bit by bit;
- *                       exit status 0 if all are equal, 1 if not, 2 if the file is no recording
+ *                       exit status 0 if all are equal, 1 if not, 2 if the file is malformed
  */
 #include "replay_lines.h"
 
@@ -25,7 +25,7 @@ static void read_point(qt_point_t *point) {
 #endif
 }
 
-/* Whether the status of both looks, the gains, the trim and the inputs are those of the line. */
+/* Whether the status of both lookups, the gains, the trim and the inputs match the line. */
 static bool line_repeats(void) {
   static qt_gains_t gains; /* those of the line before hold where there are none */
   static qt_trim_t trim;
@@ -65,7 +65,7 @@ static bool line_repeats(void) {
   return equal && repeats(u, QT_INPUTS);
 }
 
-/* The exit status. */
+/* Returns the exit status. */
 static int replay(FILE *file) {
   long points = 0;
   int status = 0;
@@ -74,14 +74,14 @@ static int replay(FILE *file) {
       status = 1;
     }
     if (broken) {
-      (void)fprintf(stderr, "replay: line %ld is no recorded point\n", number_of_line);
+      (void)fprintf(stderr, "replay: line %ld is not a recorded point\n", number_of_line);
       status = 2;
     }
     ++points;
   }
   if (status == 0) {
     if (points == 0) {
-      (void)fprintf(stderr, "replay: the file holds no point\n");
+      (void)fprintf(stderr, "replay: the file has no point\n");
       status = 2;
     } else {
       (void)printf("%ld points, all equal bit by bit\n", points);
@@ -97,7 +97,7 @@ int main(int argc, char **argv) {
     file = fopen(argv[1], "r");
   }
   if (file == NULL) {
-    (void)fprintf(stderr, "usage: replay points.txt, a file that can be read\n");
+    (void)fprintf(stderr, "usage: replay points.txt\n");
   } else {
     status = replay(file);
     (void)fclose(file);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Multilinear interpolation. On each axis a value lies between two values of the grid, a lower and
- * an upper one, at a share s of the way. What the schedule has there is the sum over the corners c
- * of this cell,
+ * Multilinear interpolation. On each axis, a value is between a lower and an upper value of the
+ * grid, at a share s of the way. The result is the sum over the corners c of this cell,
+ *
  *
  *   K = sum w_c K_c,   w_c = product over the axes of s at the upper value, 1 - s at the lower.
  */
@@ -16,7 +16,7 @@
 #define QT_LONGEST_AXIS 9 /* most values of one axis */
 #endif
 
-/* Which of the axes each is. */
+/* Indices of the axes. */
 #if QT_WITH_SPEED
 #define QT_SPEED_AXIS 0
 #endif
@@ -33,7 +33,7 @@
 #define QT_DENSITY_AXIS 0
 #endif
 
-/* Which points of the grid count how much. */
+/* The corners of a cell with their weights. */
 typedef struct {
   int point[QT_CORNERS];
   qt_real weight[QT_CORNERS];
@@ -58,7 +58,7 @@ static void values_of(const qt_point_t *point, qt_real values[QT_AXES]) {
 }
 
 #if QT_WITH_INTERVALS
-/* Where the lower value stands: the greatest that is not above x, but not the last of the axis. */
+/* The index of the lower value: the largest that does not exceed x, but not the last one. */
 static int lower_of(const qt_real *axis, int last, qt_real x) {
   int lower = 0;
   for (int i = 1; (i < QT_LONGEST_AXIS) && (i < last); ++i) {
@@ -70,7 +70,7 @@ static int lower_of(const qt_real *axis, int last, qt_real x) {
 }
 #endif
 
-/* The cell of a point. Its places lie in the table whatever the point is, NaN included. */
+/* The cell of a point. Its indices are within the table for any point, including NaN. */
 static qt_status_t find_cell(const qt_point_t *point, qt_cell_t *cell) {
   qt_real values[QT_AXES];
   int lower[QT_AXES];
@@ -121,7 +121,7 @@ static qt_status_t find_cell(const qt_point_t *point, qt_cell_t *cell) {
   } else if (!within) {
     status = QT_NEAREST;
   } else {
-    /* It is found. */
+    /* The point is within the grid. */
   }
   return status;
 }

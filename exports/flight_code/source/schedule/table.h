@@ -13,7 +13,7 @@ extern const qt_real qt_axis_values[QT_VALUES]; /* one axis after the other */
 extern const int qt_axis_start[QT_AXES];        /* where each axis begins there */
 extern const int qt_axis_length[QT_AXES];       /* how many values it has */
 
-/* The points of the grid, the last axis runs fastest. */
+/* The points of the grid; the last axis varies fastest. */
 #if QT_WITH_HOLES
 extern const bool qt_has_gain[QT_POINTS]; /* where there is none, all numbers are 0 */
 #endif

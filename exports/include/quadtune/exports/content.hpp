@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What an export is made from.
+/// The input of an export.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,45 +24,48 @@
 
 namespace quadtune {
 
-/// That the gains are right, as the solver told it. NaN and empty mean not known; they are left
-/// out.
+/// Evidence that the gains are right, as reported by the solver. NaN or empty means unknown; such
+/// values are omitted from the manifest.
 struct ExportEvidence {
   std::string method;  ///< e.g. "sampled-data LQR"
   std::string status;  ///< e.g. "solved"
   double residual = std::numeric_limits<double>::quiet_NaN();
   double rcond = std::numeric_limits<double>::quiet_NaN();
   int iterations = 0;
-  Eigen::VectorXcd poles;  ///< of the design, as the solver gave them
+  Eigen::VectorXcd poles;  ///< poles of the design, as reported by the solver
 };
 
-/// Everything that goes into the files and the manifest.
+/// Everything that is written to the files and the manifest.
 struct ExportContent {
   Vehicle vehicle;
-  std::optional<Gains> gains;  ///< in the convention of the flight program it is written for
-  Eigen::MatrixXd Q;           ///< weights of states, then integrals, in the gains' order; or empty
+  std::optional<Gains> gains;  ///< in the convention of the target flight program
+  Eigen::MatrixXd Q;           ///< weights of states, then integrals, ordered as in `gains`; or
+                               ///< empty
   Eigen::MatrixXd R;           ///< weights of the inputs, or empty
-  std::optional<DiscreteLti> plant;  ///< the vehicle in the gains' states and inputs; its closed
-                                     ///< loop goes into the manifest, for `verify`
-  std::optional<DiscreteLti>
-      cascade_plant;  ///< from the wrench to the 12 states of ned_convention(), as the cascade's
-                      ///< computer sees them; its closed loop goes into the manifest likewise
+  /// The vehicle with the states and inputs of `gains`. The poles of its closed loop are written to
+  /// the manifest, where `verify` reads them.
+  std::optional<DiscreteLti> plant;
+  /// From the wrench to the 12 states of ned_convention(), as the computer of the cascade sees
+  /// them. The poles of its closed loop are written to the manifest likewise.
+  std::optional<DiscreteLti> cascade_plant;
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
-  std::optional<ImuCalibrationFile> imu_calibration;  ///< of the uquad's sensors
-  bool uquad_constants = false;  ///< whether a header of its vehicle's constants is written
+  std::optional<ImuCalibrationFile> imu_calibration;  ///< for the uquad's sensors
+  bool uquad_constants = false;  ///< whether to write a header with the vehicle's constants
   std::optional<CascadeDesign> cascade;
-  std::optional<GainSchedule> schedule;      ///< in the place of laws; flight code alone holds one
-  std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
-  FlightCodeOptions flight_code;             ///< of exports that are flight code
-  FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
-  std::optional<StoredParameters> parameters;  ///< of a board, for which `cascade` stands
-  std::vector<std::string> firmware_notes;  ///< what these change of the cascade, by Exporter::fit
+  std::optional<GainSchedule> schedule;        ///< instead of laws; only flight code supports it
+  std::optional<StoredEstimator> estimator;    ///< with which the laws were evaluated
+  FlightCodeOptions flight_code;               ///< for exports of flight code
+  FirmwareOptions firmware;                    ///< for exports of firmware parameters
+  std::optional<StoredParameters> parameters;  ///< of a board whose loops `cascade` represents
+  std::vector<std::string> firmware_notes;     ///< changes that the parameters make to the cascade;
+                                               ///< set by Exporter::fit
   ExportEvidence evidence;
-  std::vector<std::string> forced;  ///< why it would not have been written without --force
+  std::vector<std::string> forced;  ///< reasons for rejection that --force overrode
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
-  std::vector<std::pair<std::string, std::string>>
-      versions;         ///< of further libraries: name, version
-  std::string made_at;  ///< a time to write into the manifest; empty, the default, writes none
+  /// Further libraries: name, version.
+  std::vector<std::pair<std::string, std::string>> versions;
+  std::string made_at;  ///< time that is written to the manifest; empty (default): none
 };
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The same control law in another flight program's axes, order and sign law.
+/// Converts a control law to the axes, order and sign law of another flight program.
 #pragma once
 
 #include "quadtune/convention.hpp"
@@ -7,16 +7,16 @@
 
 namespace quadtune {
 
-/// Maps states by what they mean, so that the law commands the same motors in the same flight.
+/// Maps states by their meaning, so that the law commands the same motors in the same flight.
 ///
-/// @param gains   states and integrals are any of its convention's, each once
-/// @param target  states and integrals come out in the target's order
-/// @return        K, K_int, x0 and u0 with signs and order of the target; a wrench is turned too
-/// @throws InvalidInput  for a state that the gain's convention does not have, or wrong shapes.
+/// @param gains   states and integrals: any of its convention, each at most once
+/// @param target  convention of the result, with states and integrals in its order
+/// @return        K, K_int, x0 and u0 in the order and signs of the target; a wrench is rotated too
+/// @throws InvalidInput  if a state is not in the convention of `gains`, or shapes disagree
 [[nodiscard]] Gains in_convention(const Gains& gains, const Convention& target,
                                   SignLaw sign_law = SignLaw::set_point_minus_state);
 
-/// The memory of a law whose inputs become u_to = W u_from.
+/// Transforms the memory of a law to inputs u_to = W u_from.
 /// @param W  (nu × nu) a permutation, with signs
 [[nodiscard]] CommandMemory in_inputs(const CommandMemory& memory, const Eigen::MatrixXd& W);
 

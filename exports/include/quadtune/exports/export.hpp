@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes an export: the files of a flight program and their manifest, whole or not at all.
+/// Writes an export, that is the files for a flight program and their manifest, atomically.
 #pragma once
 
 #include <filesystem>
@@ -12,30 +12,29 @@
 
 namespace quadtune {
 
-/// The files of `kind` in memory, the manifest last. The same content gives the same bytes.
+/// Creates the files of `kind` in memory, the manifest last. Equal content gives equal bytes.
 ///
-/// @throws InvalidInput  for content that the kind cannot express, and for any number that is not
-///                       finite.
+/// @throws InvalidInput  if the kind cannot represent the content, or a number is not finite
 [[nodiscard]] std::vector<FileContent> export_files(const ExportKind& kind,
                                                     const ExportContent& content);
 
-/// Writes them into `directory` as write_files does, and takes away what an earlier manifest there
-/// lists and this export does not write, so that no old gain stays beside the new ones.
+/// Writes the files into `directory` as write_files() does. Files that an earlier manifest in
+/// `directory` lists and this export does not write are deleted, so that no outdated gains remain.
 ///
 /// @return  the files written, the manifest last
-/// @throws InvalidInput  as export_files; nothing is written then.
-/// @throws FileError     with the path and the system's reason.
-/// @throws Interrupted   when `interrupted` says so.
+/// @throws InvalidInput  as export_files(); nothing is written then
+/// @throws FileError     with the path and the system's reason
+/// @throws Interrupted   if `interrupted` returns true
 std::vector<ManifestFile> write_export(const std::filesystem::path& directory,
                                        const ExportKind& kind, const ExportContent& content,
                                        const std::function<bool()>& interrupted = {});
 
-/// gains.json: gains with trim and law, vehicle, filters, cascade and weights, in SI with units.
+/// Text of gains.json: gains with trim and law, vehicle, filters, cascade and weights, in SI units.
 [[nodiscard]] std::string gains_json_text(const ExportContent& content);
 
-/// A vehicle as JSON with the tables and keys of a vehicle file, as it stands in gains.json. What
-/// is not known, and what a file without the key would mean, is left out; the environment and the
-/// curves of thrust and torque always stand.
+/// A vehicle as JSON with the tables and keys of a vehicle file, as in gains.json. Unknown values
+/// and values equal to the default of a missing key are omitted; the environment and the thrust and
+/// torque curves are always included.
 [[nodiscard]] std::string vehicle_json_text(const Vehicle& vehicle);
 
 inline constexpr char kGainsJsonName[] = "gains.json";

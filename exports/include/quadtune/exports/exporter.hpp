@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one flight program, or one format, needs to be exported to: a struct in a registry.
+/// The interface to one flight program or file format: a struct that is added to a registry.
 #pragma once
 
 #include <filesystem>
@@ -15,64 +15,66 @@
 
 namespace quadtune {
 
-/// An exporter. The manifest, the hashes, the writing as a whole and the checks that compare what
-/// was read with the manifest are the same for all; these are the parts that differ. A function
-/// that is empty means that there is nothing of the kind.
+/// An exporter. Manifest, hashes, atomic writing and the comparison of the files with the manifest
+/// are the same for all exporters; the members are the parts that differ. An empty function means
+/// that the exporter does not support the feature.
 ///
 ///     add_exporter({.target = {"mine"}, .convention = "ned", .gain_files = {"gains.txt"},
 ///                   .files = my_files, .read = my_reader});
 ///     write_export("out", ExportKind("mine"), content);
 struct Exporter {
   ExportTarget target;     ///< its name, and the estimator of its flight program
-  std::string convention;  ///< that its gains are written in; empty: any
-  /// Every name under which its flight program would find gains.
+  std::string convention;  ///< convention of the gains that it writes; empty: any
+  /// Names of all files in which its flight program would look for gains.
   std::vector<std::string> gain_files;
-  bool writes_cascade = true;  ///< whether its files hold a PID cascade
-  /// Whether its files have numbers of a cascade even where none was designed.
+  bool writes_cascade = true;  ///< whether its files can contain a PID cascade
+  /// Whether its files contain numbers of a cascade even if none was designed.
   bool always_has_cascade = false;
 
-  /// The content as its flight program will have it, e.g. with gains rounded to its numbers. The
-  /// files and the manifest are made of this.
-  /// @throws InvalidInput  for content that the flight program cannot fly
+  /// Converts the content to what the flight program will use, e.g. with gains rounded to the
+  /// precision of the program. The files and the manifest are created from the result.
+  /// @throws InvalidInput  if the flight program cannot fly the content
   std::function<ExportContent(ExportContent)> fit = {};
-  /// The files of an export but the manifest.
-  /// @throws InvalidInput  for content that the files cannot express
+  /// Creates the files of an export, without the manifest.
+  /// @throws InvalidInput  if the files cannot represent the content
   std::function<std::vector<FileContent>(const ExportContent&)> files;
-  /// The numbers with names that a file defines, which the manifest then lists.
+  /// Returns the named numbers that a file defines; they are listed in the manifest.
   std::function<std::vector<NamedMatrix>(const FileContent&)> numbers = {};
-  /// The laws as the flight program reads them from a directory.
+  /// Reads the laws from a directory as the flight program does.
   /// @throws InvalidInput, FileError
   std::function<StoredLaws(const std::filesystem::path&, const Manifest&)> read;
-  /// The laws of a file, or of a directory without a manifest; no value if it holds none of its
-  /// files. The exporter that was added last is asked first.
+  /// Reads the laws from a file, or from a directory without a manifest; returns no value if the
+  /// path has none of its files. The exporter that was added last is tried first.
   /// @throws InvalidInput, FileError
   std::function<std::optional<StoredLaws>(const std::filesystem::path&)> read_plain = {};
-  /// Reads what stands beside the laws, and refuses what the flight program would.
+  /// Reads the other files of the export and rejects what the flight program would reject.
   /// @throws InvalidInput, FileError
   std::function<void(const std::filesystem::path&, const Manifest&, const Gains&)> check = {};
-  /// How the weights in the files differ from the manifest's; "" where they do not.
+  /// Describes how the weights in the files differ from those of the manifest; "" if they agree.
   /// @throws InvalidInput, FileError
   std::function<std::string(const std::filesystem::path&, const Manifest&)> weights_difference = {};
-  /// Files of a directory, written again from the laws of its manifest and a vehicle; from the
-  /// files themselves comes only what stands nowhere else, such as an estimator's numbers. Files
-  /// that these do not determine are left out. verify_export() compares them byte by byte.
+  /// Regenerates the files of a directory from the laws of its manifest and a vehicle. Only data
+  /// that exist nowhere else, such as the numbers of an estimator, are read from the files. Files
+  /// that these inputs do not determine are omitted. verify_export() compares the result byte by
+  /// byte.
   /// @throws InvalidInput, FileError
   std::function<std::vector<FileContent>(const std::filesystem::path&, const Manifest&,
                                          const Vehicle&)>
       written_again = {};
-  /// The Kalman filters that a directory holds.
+  /// Reads the Kalman filters from a directory.
   /// @throws InvalidInput, FileError
   std::function<std::vector<KalmanFilter>(const std::filesystem::path&)> filters = {};
 };
 
-/// Adds an exporter, or replaces the one of its name: design files, `write_export()`, `read_laws()`
-/// and `verify_export()` know it from then on. Not while other threads use any of these.
+/// Adds an exporter, or replaces the exporter of the same name. From then on, design files,
+/// `write_export()`, `read_laws()` and `verify_export()` accept it. Not safe while other threads
+/// use any of these.
 void add_exporter(Exporter exporter);
 
 /// @throws InvalidInput  as export_kind()
 [[nodiscard]] const Exporter& exporter_of(const ExportKind& kind, const std::string& where);
 
-/// All of them, in the order of export_targets().
+/// All exporters, in the order of export_targets().
 [[nodiscard]] const std::vector<Exporter>& exporters();
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writing several files whole or not at all.
+/// Writes several files atomically.
 #pragma once
 
 #include <filesystem>
@@ -15,21 +15,22 @@ struct FileContent {
   std::string bytes;
 };
 
-/// Replaces `files` in `directory`, or leaves the directory as it was.
+/// Replaces `files` in `directory`, or leaves the directory unchanged.
 ///
-/// Every file is first written to a temporary name beside its target and synced. Only when all are
-/// complete does each take its target's place, in the order given, by an atomic exchange; a failure
-/// in between exchanges them back. `stale` files are taken away in the same transaction. A crash of
-/// the machine in the middle can leave some files new and some old: put the manifest last, then its
-/// hashes tell. The directory is made if it is missing, and removed again on failure. Temporaries
-/// that a killed writer left, `.NAME.quadtune-tmp`, are removed when all is done.
+/// Every file is first written to a temporary file next to its target and synced. When all are
+/// complete, each replaces its target by an atomic exchange, in the given order; after a failure
+/// the exchanges are undone. `stale` files are deleted in the same transaction. If the machine
+/// crashes in between, some files can be new and others old: put the manifest last, so that its
+/// hashes reveal this state. A missing directory is created, and removed again on failure.
+/// Temporary files that a killed writer left, `.NAME.quadtune-tmp`, are removed at the end.
 ///
-/// @param files        names without a slash, each once
-/// @param stale        names of files that must be gone afterwards; absent ones are passed over
-/// @param interrupted  asked between the steps; true abandons the work. May be empty.
-/// @throws FileError    with the path and the system's reason.
-/// @throws Interrupted  when `interrupted` says so.
-/// @throws InvalidInput for a name with a slash or given twice.
+/// @param files        names without a slash, each at most once
+/// @param stale        names of files to delete; missing ones are ignored
+/// @param interrupted  called between the steps; the transaction is undone if it returns true; may
+///                     be empty
+/// @throws FileError    with the path and the system's reason
+/// @throws Interrupted  if `interrupted` returns true
+/// @throws InvalidInput  if a name contains a slash or occurs twice
 void write_files(const std::filesystem::path& directory, const std::vector<FileContent>& files,
                  const std::vector<std::string>& stale = {},
                  const std::function<bool()>& interrupted = {});
@@ -37,8 +38,8 @@ void write_files(const std::filesystem::path& directory, const std::vector<FileC
 /// SHA-256 as 64 lowercase hexadecimal digits.
 [[nodiscard]] std::string sha256(const std::string& bytes);
 
-/// The same of a file, read piece by piece.
-/// @throws FileError  with the path and the system's reason.
+/// The same for a file, which is read in blocks.
+/// @throws FileError  with the path and the system's reason
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Parameters of the autopilot firmware that people own: PX4, ArduPilot, Betaflight, Crazyflie.
+/// Parameters of public autopilot firmware: PX4, ArduPilot, Betaflight and Crazyflie.
 /// Sources of all facts: docs/bibliography.md, "Firmware". Theory: docs/theory.md, "Cascades of
 /// autopilots".
 #pragma once
@@ -21,47 +21,48 @@
 
 namespace quadtune {
 
-/// "px4", "ardupilot", "betaflight", "crazyflie": the names of the exports, too.
+/// "px4", "ardupilot", "betaflight" or "crazyflie"; these are the names of the exporters, too.
 [[nodiscard]] std::string to_string(FirmwareKind kind);
-/// @throws InvalidInput  naming the word, those that exist, and the nearest
+/// @throws InvalidInput  if the name is unknown, with the known names and the nearest
 [[nodiscard]] FirmwareKind firmware_kind(const std::string& name, const std::string& where);
 
-/// The versions whose parameters are known, the newest first. A release belongs to the newest one
-/// that is not above it: PX4 1.14.4 to "1.14".
+/// The versions whose parameters are known, newest first. A release is assigned to the newest known
+/// version that does not exceed it: PX4 1.14.4 to "1.14".
 [[nodiscard]] std::vector<std::string> firmware_versions(FirmwareKind kind);
-/// The sets of propellers that scale the firmware's thrust; none but for the Crazyflie.
+/// The propeller sets that scale the thrust of the firmware; empty except for the Crazyflie.
 [[nodiscard]] std::vector<std::string> firmware_setups(FirmwareKind kind);
 
-/// @param where  what asked for it, for messages
-/// @throws InvalidInput  for a version below the oldest that is known, for one that is no version,
-///                       or a setup that does not exist
+/// @param where  prefix of messages
+/// @throws InvalidInput  if the version is malformed or older than the oldest known one, or the
+///                       setup does not exist
 [[nodiscard]] Firmware firmware(FirmwareKind kind, const FirmwareOptions& options,
                                 const std::string& where);
 
-/// The name of the file that an export writes.
+/// The name of the file that an export of this firmware writes.
 [[nodiscard]] std::string parameter_file_name(FirmwareKind kind);
 
-/// What a firmware's documentation says of one parameter.
+/// Properties of one parameter according to the documentation of the firmware.
 struct ParameterFacts {
   std::string name;
-  double usual = 0;           ///< its default
+  double usual = 0;           ///< default
   std::optional<double> min;  ///< as published
   std::optional<double> max;  ///< as published
   bool integer = false;
-  std::string unit;        ///< empty: none, or that of the loop
-  bool read_only = false;  ///< read, never written: it belongs to the vehicle's set-up
+  std::string unit;        ///< empty: dimensionless, or the unit of the loop
+  bool read_only = false;  ///< read but never written, because it belongs to the setup of the
+                           ///< vehicle
 };
 
-/// The parameters that these loops consist of, in the order in which they are written.
+/// The parameters of the control loops, in the order in which they are written.
 [[nodiscard]] std::vector<ParameterFacts> parameter_facts(const Firmware& firmware);
 
-/// Values by name, with the firmware's defaults behind them.
+/// Parameter values by name; parameters without a value have the firmware's default.
 class ParameterValues {
  public:
   ParameterValues(const Firmware& firmware, const std::vector<Parameter>& values);
 
   [[nodiscard]] bool has(std::string_view name) const;  ///< whether the firmware has it
-  /// NaN where it belongs to the vehicle and is not given.
+  /// The value; NaN if it belongs to the vehicle and is not given.
   /// @pre  has(name)
   [[nodiscard]] double operator()(std::string_view name) const;
 
@@ -69,57 +70,59 @@ class ParameterValues {
   std::vector<Parameter> all_;
 };
 
-/// What a file of parameters holds.
+/// The contents of a parameter file.
 struct ParameterFile {
-  std::vector<Parameter> values;   ///< of parameters that the loops consist of, each once
-  std::size_t others = 0;          ///< how many further parameters it holds
-  std::vector<std::string> notes;  ///< e.g. of a name that may be misspelled
+  std::vector<Parameter> values;   ///< parameters of the control loops, each once
+  std::size_t others = 0;          ///< number of other parameters in the file
+  std::vector<std::string> notes;  ///< e.g. about a name that may be misspelled
 };
 
-/// The file's text. Numbers read back to what the board stores: a float, or an integer.
-/// @param values  of parameter_facts()
-/// @param header  lines of comment, without the mark of a comment
+/// The text of the file. Numbers read back to the value that the board stores: a float or an
+/// integer.
+/// @param values  parameters of parameter_facts()
+/// @param header  comment lines, without comment characters
 [[nodiscard]] std::string parameter_text(const Firmware& firmware,
                                          const std::vector<Parameter>& values,
                                          const std::vector<std::string>& header);
 
 /// Reads a file as the firmware or its ground station does. Line ends may be LF or CR LF.
-/// @throws InvalidInput  "origin:line: …" for a line that is none, a parameter that stands twice or
-///                       is not finite, a name of another version, and a file without any of the
-///                       parameters.
+/// @throws InvalidInput  "origin:line: …" if a line is malformed, a parameter occurs twice or is
+///                       not finite, a name belongs to another version, or the file has none of the
+///                       parameters
 [[nodiscard]] ParameterFile parse_parameters(const Firmware& firmware, const std::string& text,
                                              const std::string& origin);
 
-/// How a vehicle answers the firmware's controllers at hover.
+/// Conversion between the outputs of the firmware's controllers and the wrench at hover.
 struct FirmwareScale {
   /// Torque about roll, pitch and yaw per unit of the firmware's output [N m].
   std::array<double, 3> torque{};
-  double thrust = 0;  ///< of all rotors per unit of the firmware's thrust [N]
+  double thrust = 0;  ///< thrust of all rotors per unit of the firmware's thrust [N]
   double hover = 0;   ///< the firmware's thrust at hover
   double mass = 0;    ///< [kg]
 };
 
-/// @param values  those that change the scale, such as THR_MDL_FAC; the rest has its default
-/// @throws InvalidInput  for a vehicle that this firmware cannot mix: Betaflight and Crazyflie fly
-///                       four rotors in X, ArduPilot is known here for four in X or plus
+/// @param values  those that change the scale, such as THR_MDL_FAC; the others have their defaults
+/// @throws InvalidInput  if this firmware cannot mix the vehicle: Betaflight and Crazyflie support
+///                       four rotors in X; for ArduPilot, quadtune supports four rotors in X or
+///                       plus
 /// @throws NoSolution    if the vehicle cannot hover
 [[nodiscard]] FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
                                            const std::vector<Parameter>& values);
 
-/// One loop of the firmware. All gains are positive where they damp.
+/// One loop of the firmware. Gains are positive if they damp.
 struct FirmwareLoop {
   CascadeAxis axis = CascadeAxis::roll;
   double scale = 0;             ///< torque, force or tilt per unit of the firmware's output
-  double outer = 0;             ///< rate asked for per error [1/s]
+  double outer = 0;             ///< rate set point per error [1/s]
   double outer_integral = 0;    ///< [1/s²]
-  double outer_derivative = 0;  ///< of the rate itself [1]
-  double P = 0, I = 0, D = 0;   ///< of the rate's error, in the firmware's output per SI unit
-  bool flies = true;            ///< false: the firmware has no such loop, the pilot is it
+  double outer_derivative = 0;  ///< on the rate itself [1]
+  double P = 0, I = 0, D = 0;   ///< on the error of the rate [firmware output per SI unit]
+  bool flies = true;            ///< false: the firmware has no such loop; the pilot closes it
 
-  double forward = 0;     ///< of the set point of the rate, which the outer gain gives
-  bool of_error = false;  ///< D acts on the rate's error, and so on the outer gain, too
+  double forward = 0;     ///< on the set point of the rate that the outer loop computes
+  bool of_error = false;  ///< D acts on the error of the rate, hence also on the outer gain
 
-  /// In the units of a PidLoop, without its signs.
+  /// The gains in the units of a PidLoop, without its signs.
   [[nodiscard]] double Kp() const {
     return scale * (P * outer + I * (1 + outer_derivative) + forward * outer);
   }
@@ -128,66 +131,67 @@ struct FirmwareLoop {
     return scale *
            (P * (1 + outer_derivative) + forward * outer_derivative + (of_error ? D * outer : 0));
   }
-  /// What a cascade of PidLoops has no place for: the gain on the rate's derivative, and that of
-  /// the error integrated twice.
+  /// Gains that a cascade of PidLoops cannot represent: on the derivative of the rate, and on the
+  /// double integral of the error.
   [[nodiscard]] double derivative() const { return scale * D; }
   [[nodiscard]] double double_integral() const { return scale * I * outer_integral; }
 };
 
-/// The loops that the parameters make of a vehicle, in the order of kAllCascadeAxes.
-/// @param values  parameters that are missing have their default
+/// The loops that result from the parameters on a vehicle, in the order of kAllCascadeAxes.
+/// @param values  missing parameters have their defaults
 /// @throws InvalidInput, NoSolution  as firmware_scale()
 [[nodiscard]] std::vector<FirmwareLoop> firmware_loops(const Firmware& firmware,
                                                        const Vehicle& vehicle,
                                                        const std::vector<Parameter>& values);
 
-/// The sign of Kp in a PidLoop that damps: -1 in x, where a pitch that is negative moves forward.
+/// The sign of a damping Kp in a PidLoop: -1 in x, where a negative pitch accelerates forward.
 [[nodiscard]] double cascade_sign(CascadeAxis axis);
 
-/// Those loops as a cascade with the signs of PidLoop. Loops that the firmware does not fly are
-/// taken from `pilot`.
+/// Converts the loops to a cascade with the signs of PidLoop. Loops that the firmware does not have
+/// are copied from `pilot`.
 [[nodiscard]] CascadeGains cascade_of(const std::vector<FirmwareLoop>& loops,
                                       const CascadeGains& pilot, double dt);
 
-/// The parameters that fly a cascade.
+/// The parameters of a cascade.
 struct FirmwareParameters {
   std::vector<Parameter> values;
-  /// A sentence each: what was rounded, shared, left out or is outside of the published range.
+  /// Sentences about values that were rounded, shared, omitted or exceed the published range.
   std::vector<std::string> notes;
 };
 
-/// @throws InvalidInput  for gains that the firmware cannot fly, with the greatest Ki that it can;
-///                       for a value that its type cannot hold; and as firmware_scale()
+/// @throws InvalidInput  if the firmware cannot fly the gains (with the maximum Ki that it can), or
+///                       the type of a parameter cannot represent its value; and as
+///                       firmware_scale()
 [[nodiscard]] FirmwareParameters firmware_parameters(const Firmware& firmware,
                                                      const Vehicle& vehicle,
                                                      const CascadeGains& gains);
 
-/// The firmware that a file says it was written for; none where it is not quadtune's.
-/// @throws InvalidInput  for a file of another firmware
+/// The firmware that is named in the header of a file; no value if quadtune did not write the file.
+/// @throws InvalidInput  if the file belongs to another firmware
 [[nodiscard]] std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& text,
                                                        const std::string& origin);
 
-/// The options with which quadtune wrote a file of parameters.
-/// @throws InvalidInput  as firmware_of_text(), and for a file that does not say its firmware
+/// The options with which quadtune wrote a parameter file.
+/// @throws InvalidInput  as firmware_of_text(), or if the file does not name its firmware
 [[nodiscard]] FirmwareOptions written_options(FirmwareKind kind, const std::string& text,
                                               const std::string& origin);
 
-/// The standard deviation that a filter's parameter means, of a density [unit/√Hz]: the filter adds
-/// (σ dt)² in each prediction step of length dt.
+/// The standard deviation that a filter parameter represents for a noise density [unit/√Hz]: the
+/// filter adds (σ dt)² in each prediction step of length dt.
 /// @param step  length of the prediction step [s]
 [[nodiscard]] double filter_noise(double density, double step);
 
-/// The noises of the firmware's estimator that a general filter's are. Of axes that differ the
-/// noisiest counts. Values are held to the published range; notes tell which, and which are far
-/// below the default.
-/// @throws InvalidInput  for Betaflight, which has none
+/// The noise parameters of the firmware's estimator that correspond to a general filter. If the
+/// axes differ, the noisiest one is used. Values are limited to the published range; the notes
+/// report which ones were limited and which are far below the default.
+/// @throws InvalidInput  for Betaflight, which has no such parameters
 [[nodiscard]] FirmwareParameters noise_parameters(const Firmware& firmware,
                                                   const GeneralFilterSettings& filter);
 
-/// Whether a parameter is one of these.
+/// Whether a parameter is one of those of noise_parameters().
 [[nodiscard]] bool is_noise_parameter(const std::string& name);
 
-/// Whether an export's parameters fly the cascade of its manifest on the vehicle.
+/// Checks that the parameters of an export fly the cascade of its manifest on the vehicle.
 [[nodiscard]] std::vector<VerifyCheck> firmware_checks(const std::filesystem::path& directory,
                                                        const Vehicle& vehicle);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which firmware, and parameters of it as files hold them.
+/// Firmware kinds, and parameters as they are stored in files.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@ namespace quadtune {
 
 enum class FirmwareKind { px4, ardupilot, betaflight, crazyflie };
 
-/// A firmware in one version, with the propellers where its scale depends on them.
+/// A version of a firmware, with the propellers if its scale depends on them.
 struct Firmware {
   FirmwareKind kind = FirmwareKind::px4;
   std::string version;  ///< one of firmware_versions()
-  std::string setup;    ///< one of firmware_setups(); empty where there are none
+  std::string setup;    ///< one of firmware_setups(); empty if there are none
 
   friend bool operator==(const Firmware&, const Firmware&) = default;
 };
@@ -26,7 +26,7 @@ struct Parameter {
   friend bool operator==(const Parameter&, const Parameter&) = default;
 };
 
-/// The parameters of a board. Those that are missing have the firmware's defaults.
+/// The parameters of a board. Missing parameters have the firmware's defaults.
 struct StoredParameters {
   Firmware firmware;
   std::vector<Parameter> values;

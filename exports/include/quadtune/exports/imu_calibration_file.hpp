@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// imu_calib.txt: how the uquad flight program turns counts of its inertial sensors into units.
+/// imu_calib.txt: the file from which the uquad flight program reads the calibration that converts
+/// the counts of its inertial sensors to units.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,10 +8,10 @@
 
 namespace quadtune {
 
-/// The file's name, by which the flight program finds it.
+/// The name under which the flight program opens the file.
 inline constexpr char kImuCalibrationName[] = "imu_calib.txt";
 
-/// The numbers of imu_calib.txt. A sensor's reading is M (raw - b + d (t - t0)), M = T K⁻¹.
+/// The numbers of imu_calib.txt. A calibrated sample is M (raw - b + d (t - t0)), M = T K⁻¹.
 struct ImuCalibrationFile {
   /// One three-axis sensor.
   struct Sensor {
@@ -18,10 +19,11 @@ struct ImuCalibrationFile {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [counts]
   };
   Sensor accelerometer;  ///< [m/s²]
-  Sensor gyroscope;      ///< [rad/s]
+  Sensor gyroscope;      ///< [1], relative to the norm of the field
   Sensor magnetometer;   ///< [1], of the field's norm
 
-  bool with_temperature = true;            ///< false: the older file of 36 numbers, which ends here
+  bool with_temperature = true;            ///< false: older file of 36 numbers, without the
+                                           ///< following ones
   double accelerometer_z_coefficient = 0;  ///< [counts/°C]
   double accelerometer_t0 = 0;             ///< [°C]
   Eigen::Vector3d gyroscope_coefficient = Eigen::Vector3d::Zero();  ///< [counts/°C]
@@ -29,18 +31,16 @@ struct ImuCalibrationFile {
   double gyroscope_t0 = 0;                                          ///< [°C]
 };
 
-/// The file's text: M of a sensor in three rows, its b in three more, a blank line between sensors;
-/// then the temperature terms. Numbers read back to the same double.
-/// @throws InvalidInput  for a number that is not finite.
+/// The text of the file: for each sensor M in three rows and b in three more, with a blank line
+/// between sensors; then the temperature terms. Numbers read back to the same double.
+/// @throws InvalidInput  if a number is not finite
 [[nodiscard]] std::string imu_calibration_text(const ImuCalibrationFile& calibration);
 
-/// Reads 36 or 45 numbers, separated by blanks and lines in any way, as the flight program scans
-/// them.
-/// @param origin  the file's name in messages
+/// Reads 36 or 45 numbers, separated by any white space, as the flight program scans them.
+/// @param origin  name of the file in messages
 /// @throws InvalidInput  "origin:line: …" for a word, a comma, a number that is not finite, a
-/// matrix
-///                       that cannot be inverted, or any other count, with the line on which it
-///                       ends.
+///                       singular matrix or any other count; for a wrong count the line is that of
+///                       the end
 [[nodiscard]] ImuCalibrationFile parse_imu_calibration(const std::string& text,
                                                        const std::string& origin);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which estimator a program of flight code includes.
+/// Selects the estimator that a flight code program includes.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,11 @@
 
 namespace quadtune {
 
-/// @param estimator  that the law was judged with
+/// @param estimator  with which the law was evaluated
 /// @param adapter    FlightCodeOptions::adapter
-/// @return           "general", "mambo" or "uquad"; empty if the program takes the estimate from
-///                   its caller: where there is none, and for adapters whose firmware has its own
+/// @return           "general", "mambo" or "uquad"; empty if the program expects the estimate from
+///                   its caller, because there is no estimator or the firmware of the adapter has
+///                   its own
 [[nodiscard]] std::string included_estimator(const std::optional<StoredEstimator>& estimator,
                                              const std::string& adapter);
 

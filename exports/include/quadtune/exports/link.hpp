@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Command frames of the Parrot Mambo's two firmwares: commands to bytes and back, with limits.
+/// Command frames of the Parrot Mambo's two firmwares: encoding and decoding, with limits.
 ///
-/// Source: Oliveira 2020, sections 5.2 and 5.3, tables 5.1 and 5.2. docs/errata.md lists where the
-/// tables and the examples beside them disagree. Nothing here opens a connection.
+/// Source: Oliveira 2020, sections 5.2 and 5.3, tables 5.1 and 5.2. docs/errata.md lists the
+/// contradictions between the tables and the examples. Nothing here opens a connection.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace quadtune {
 
-/// The program that the vehicle runs, which decides what a frame looks like.
+/// The program that the vehicle runs; it determines the frame format.
 enum class LinkFirmware {
   simulink,  ///< of MathWorks' support package for Simulink: table 5.1, over TCP
   native,    ///< of the manufacturer: table 5.2, over UDP
@@ -22,7 +22,7 @@ enum class LinkFirmware {
 /// "simulink" or "native".
 [[nodiscard]] std::string to_string(LinkFirmware firmware);
 
-/// @throws OptionError  "firmware", for any other word than these two
+/// @throws OptionError  "firmware", for any other word
 [[nodiscard]] LinkFirmware link_firmware(const std::string& word);
 
 /// The port on which a vehicle with this firmware expects commands: TCP 12391 or UDP 6000.
@@ -31,14 +31,14 @@ enum class LinkFirmware {
 /// The bytes of one command, in the order in which they are sent.
 using LinkFrame = std::vector<std::uint8_t>;
 
-/// One number that a command carries. The frame holds round(value * per_unit) + offset as a
-/// little-endian integer in two's complement.
+/// One number of a command. The frame contains round(value * per_unit) + offset as a little-endian
+/// integer in two's complement.
 struct LinkArgument {
   std::string name;                     ///< e.g. "z"
   std::string unit;                     ///< of the value; empty for a word
-  double low = 0, high = 0;             ///< limits of the value [unit]; the limits belong to it
+  double low = 0, high = 0;             ///< limits of the value [unit], inclusive
   std::string why = {};                 ///< reason for the limits, a clause after "because"
-  std::size_t bytes = 4;                ///< of the integer: 1, 2 or 4
+  std::size_t bytes = 4;                ///< size of the integer: 1, 2 or 4
   double per_unit = 1;                  ///< [1/unit]
   std::int64_t offset = 0;              ///< added after the scaling
   std::vector<std::string> words = {};  ///< names of the values 0, 1, …, if they have names
@@ -48,10 +48,10 @@ struct LinkArgument {
 struct LinkEntry {
   std::string name;     ///< e.g. "takeoff"
   std::string summary;  ///< what the vehicle does
-  std::uint32_t id;     ///< as a little-endian integer of 4 bytes in the frame
+  std::uint32_t id;     ///< little-endian integer of 4 bytes in the frame
   std::vector<LinkArgument> arguments = {};
   bool stops = false;     ///< whether it stops the motors or lands
-  bool answered = true;   ///< whether the vehicle answers
+  bool answered = true;   ///< whether the vehicle replies
   LinkFrame before = {};  ///< fixed bytes between the id and the arguments
   LinkFrame after = {};   ///< fixed bytes after the arguments
 };
@@ -66,54 +66,55 @@ struct LinkEntry {
 struct LinkCommand {
   LinkFirmware firmware = LinkFirmware::simulink;
   std::string name;            ///< of a LinkEntry
-  std::vector<double> values;  ///< one for each argument, in its unit; the number of a word
-  /// Native firmware: numbers the frames in the order in which they were made.
+  std::vector<double> values;  ///< one per argument, in its unit; the index for a word
+  /// Native firmware: number of the frame, incremented with each frame.
   std::uint8_t sequence = 0;
-  /// Native firmware: whether the frame asks for an acknowledgement.
+  /// Native firmware: whether the frame requests an acknowledgement.
   bool acknowledged = true;
 };
 
-/// A command whose values are written as words, e.g. "-0.3" or "left".
-/// @throws InvalidInput  for an unknown name, another number of words, a word that is not a finite
-///                       number, and a value beyond the limits; it names command and argument
+/// Parses a command whose values are words, e.g. "-0.3" or "left".
+/// @throws InvalidInput  if the name is unknown, the number of words is wrong, a word is not a
+///                       finite number, or a value exceeds its limits; the message names command
+///                       and argument
 [[nodiscard]] LinkCommand link_command(LinkFirmware firmware, const std::string& name,
                                        const std::vector<std::string>& words);
 
-/// The frame of a command. Values are rounded to what the frame can hold.
+/// Encodes a command. Values are rounded to the resolution of the frame.
 /// @throws InvalidInput  as link_command()
 [[nodiscard]] LinkFrame link_frame(const LinkCommand& command);
 
-/// The command of a frame: link_frame() of it gives the same bytes.
-/// @throws InvalidInput  "frame", for a frame that is too short or has another length than its
-///                       command, an unknown id, a header or fixed bytes that are different, and a
-///                       value beyond its limits
+/// Decodes a frame; link_frame() of the result gives the same bytes.
+/// @throws InvalidInput  "frame", if the frame is too short, its length is not that of its command,
+///                       the id is unknown, the header or fixed bytes differ, or a value exceeds
+///                       its limits
 [[nodiscard]] LinkCommand decode_link_frame(LinkFirmware firmware,
                                             std::span<const std::uint8_t> frame);
 
-/// A part of a frame that has a meaning of its own.
+/// One field of a frame.
 struct LinkField {
   std::string name;     ///< e.g. "length"
-  LinkFrame bytes;      ///< of the frame; the fields one after the other are the frame
-  double value = 0;     ///< [unit], as the vehicle reads it
+  LinkFrame bytes;      ///< the concatenated fields are the frame
+  double value = 0;     ///< [unit], as interpreted by the vehicle
   std::string unit;     ///< may be empty
   std::string meaning;  ///< in words; may be empty
 };
 
-/// The frame of a command, divided into fields.
+/// Splits the frame of a command into fields.
 /// @throws InvalidInput  as link_command()
 [[nodiscard]] std::vector<LinkField> link_fields(const LinkCommand& command);
 
-/// Whether what a vehicle with the native firmware sent acknowledges a frame: type 1, the frame's
-/// buffer plus 128, any number, the length 8, and the number of the frame.
+/// Whether a reply of a vehicle with the native firmware acknowledges a frame: type 1, the buffer
+/// of the frame plus 128, any sequence number, length 8, and the sequence number of the frame.
 /// Source: Parrot 2015.
 [[nodiscard]] bool acknowledges(std::span<const std::uint8_t> reply, const LinkFrame& frame);
 
-/// "04 0b 09"
+/// For example "04 0b 09".
 [[nodiscard]] std::string link_hex(std::span<const std::uint8_t> bytes);
 
-/// Reads bytes written as pairs of hexadecimal digits, with or without blanks between the bytes and
-/// with or without 0x before them.
-/// @throws InvalidInput  "frame", for other text and for none
+/// Parses bytes that are written as pairs of hexadecimal digits, with optional blanks between the
+/// bytes and optional 0x before them.
+/// @throws InvalidInput  "frame", if the text is malformed or empty
 [[nodiscard]] LinkFrame link_bytes(const std::string& text);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The estimator that a law was designed with, as gains.json holds it.
+/// The estimator with which a law was designed, as stored in gains.json.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,21 @@
 namespace quadtune {
 
 struct StoredEstimator {
-  /// "general", "mambo" or "uquad", as `quadtune fly --estimator` has them. True states are no
-  /// estimator: a file that named them would hide later that nothing is estimated.
+  /// "general", "mambo" or "uquad", as in `quadtune fly --estimator`. "truth" is not allowed: a
+  /// file that named it would later hide that no state is estimated.
   std::string name;
   std::optional<GeneralFilterSettings> general = {};
-  /// Of the uquad's filter its period, Q and R, where they are others than uquad_filter_in_si():
-  /// covariances from logs. Nothing else of these settings is in the file.
+  /// Period, Q and R of the uquad's filter if they differ from uquad_filter_in_si(), e.g.
+  /// covariances from logs. No other settings are stored.
   std::optional<UquadFilterSettings<double>> uquad = {};
 
   friend bool operator==(const StoredEstimator&, const StoredEstimator&) = default;
 };
 
-/// Gives the numbers of an estimator to a flight that has this estimator.
+/// Copies the numbers of an estimator to a flight that uses this estimator.
 void take_numbers(const StoredEstimator& estimator, FlightSetup& setup);
 
-/// Whether sensors are those that an estimator needs at least.
+/// Whether the sensors include all that an estimator requires.
 /// @throws InvalidInput  if there is no such estimator
 [[nodiscard]] bool feed_estimator(const Sensors& sensors, const std::string& estimator);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where two texts differ.
+/// Locates differences between two texts.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,14 @@
 
 namespace quadtune {
 
-/// The first line that differs, from 1; 0 where none does.
+/// The number of the first line that differs, counted from 1; 0 if the texts are equal.
 [[nodiscard]] std::size_t first_other_line(const std::string& a, const std::string& b);
 
-/// Compares two texts that may differ in their numbers alone, as those of two machines may: in
-/// their signs as well, and in the blanks before them. Numbers that are not finite count as words.
-/// @return  the largest difference of two numbers in the same place, over the largest number of
-///          their line; no value if a word or a sign differs
+/// Compares two texts that may differ only in their numbers, as the output of two machines may: in
+/// the signs of the numbers as well, and in the blanks before them. Numbers that are not finite
+/// count as words.
+/// @return  the largest difference of corresponding numbers, relative to the largest number of
+///          their line; no value if a word or a punctuation character differs
 [[nodiscard]] std::optional<double> numbers_apart(const std::string& a, const std::string& b);
 
 }  // namespace quadtune

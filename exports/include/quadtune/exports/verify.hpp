@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Proves an export by reading it back as the flight program would.
+/// Verifies an export by reading it as the flight program would.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,14 +16,14 @@
 
 namespace quadtune {
 
-/// One question and its answer.
+/// One check with its result.
 struct VerifyCheck {
   std::string name;  ///< e.g. "files match the manifest"
   bool ok = false;
-  std::string detail;  ///< what was found, on one line
+  std::string detail;  ///< the finding, on one line
 };
 
-/// All questions. The verdict is yes only if every answer is.
+/// All checks of an export; it passes only if every check passes.
 struct VerifyReport {
   std::vector<VerifyCheck> checks;
   std::optional<Gains> gains;  ///< as read from the files; empty if they could not be read
@@ -33,75 +33,73 @@ struct VerifyReport {
   [[nodiscard]] bool ok() const;
 };
 
-/// The vehicle in the states and inputs of an export's gains, about the steady flight that they are
-/// for, computed anew.
+/// The recomputed vehicle model with the states and inputs of an export's gains, at the trim of the
+/// gains.
 struct VerifyModel {
-  DiscreteLti plant;   ///< in the sample time of the gains
+  DiscreteLti plant;   ///< with the sample time of the gains
   Eigen::VectorXd x0;  ///< (nx) trim
   Eigen::VectorXd u0;  ///< (nu)
 };
 
-/// A file as it is now from which an export may have been made.
+/// The current version of a file from which an export may have been made.
 struct InputAtHand {
   std::string name;   ///< without folder
-  std::string where;  ///< its path, for messages; empty of one that is built in
+  std::string where;  ///< path for messages; empty for a built-in file
   std::string bytes;
 };
 
-/// What else an export is held against.
+/// Further data with which an export is compared.
 struct VerifyFacts {
-  /// From the wrench to the 12 states of ned_convention() at hover, in the sample time of the
-  /// export's cascade, with the motors' lag; without it the loop of a cascade cannot be right.
+  /// From the wrench to the 12 states of ned_convention() at hover, with the sample time of the
+  /// export's cascade and the motor lag. Without it, the check of the cascade's loop fails.
   std::optional<DiscreteLti> cascade_plant;
-  /// Of several with one name, one has to be the one that the export was made from.
+  /// If several have the same name, one of them must be the file from which the export was made.
   std::vector<InputAtHand> inputs = {};
 };
 
-/// Re-reads an export and asks: is there a manifest, is each listed file as it was written, is no
-/// other gain file beside them, are the inputs that are at hand those of the manifest, do the files
-/// read as the flight program would read them, are the laws and weights those of the manifest,
-/// signals included, is the trim that of `model`, is each closed loop stable under the law as
-/// written, and does it have the poles of the manifest. Wrong files give failed checks, not
+/// Reads an export and checks that there is a manifest, each listed file is unchanged, there are no
+/// other gain files, the available inputs are those of the manifest, the flight program would
+/// accept the files, laws and weights are those of the manifest (including signals), the trim is
+/// that of `model`, each closed loop is stable under the law as written, and its poles are those of
+/// the manifest. Wrong files give failed checks, not exceptions.
 /// exceptions.
-///
-/// @param model  of the manifest's gains; without it neither trim nor loop can be right
-/// @throws FileError  if `directory` is not a directory.
+/// @param model  for the gains of the manifest; without it, the checks of trim and loop fail
+/// @throws FileError  if `directory` is not a directory
 [[nodiscard]] VerifyReport verify_export(const std::filesystem::path& directory,
                                          const std::optional<VerifyModel>& model,
                                          const VerifyFacts& facts = {});
 
-/// Writes the files of an export again, from the laws of its manifest and the vehicle, and compares
-/// them byte by byte. An export for a vehicle of another name is not right. Of an export that
-/// another version wrote the detail says that nothing was compared.
-/// @return  one check; none for a kind of export that cannot be written again
+/// Regenerates the files of an export from the laws of its manifest and the vehicle, and compares
+/// them byte by byte. The check fails if the export belongs to a vehicle of another name. If
+/// another version of quadtune wrote the export, nothing is compared, and the detail says so.
+/// @return  one check; none for a kind of export that cannot be regenerated
 [[nodiscard]] std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& directory,
                                                             const Vehicle& vehicle);
 
-/// The first of `expected` that differs from the file of its name in `directory`, with the line;
-/// "" where none does.
-/// @param source  what the expected files were made from, for the message: "… differs from what
-///                SOURCE give"
-/// @throws FileError, InvalidInput  for a file that cannot be read
+/// Describes the first file of `expected` that differs from the file of the same name in
+/// `directory`, with the line; "" if all agree.
+/// @param source  origin of the expected files in the message "… differs from what SOURCE give"
+/// @throws FileError, InvalidInput  if a file cannot be read
 [[nodiscard]] std::string file_difference(const std::filesystem::path& directory,
                                           const std::vector<FileContent>& expected,
                                           const std::string& source);
 
-/// Largest distance when each pole is paired with the nearest that is left; infinite where there
-/// are more of one than of the other.
+/// Pairs each pole with the nearest remaining pole and returns the largest distance; infinite if
+/// the numbers of poles differ.
 [[nodiscard]] double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
-/// Poles of the same files and vehicle on another machine agree to about 1e-12; one gain that is
-/// off by a thousandth moves them by more than this.
+/// Poles for the same files and vehicle agree between machines to about 1e-12; a change of one gain
+/// by 0.1 % moves them by more than this tolerance.
 inline constexpr double kPoleTolerance = 1e-7;
 
-/// Poles of the law with the plant. The integrals advance by dt times the error each sample.
+/// Poles of the law with the plant. In each sample, an integral advances by dt times the error.
 ///
-/// @param plant  states and inputs named as the gains', in any order of states
+/// @param plant  states and inputs named as in `gains`; states in any order
 /// @return       (nx + ni) sorted by real, then imaginary part
-/// @throws InvalidInput  if the plant lacks a state or has other inputs.
+/// @throws InvalidInput  if a state is missing in the plant or the inputs differ
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant, const Gains& gains);
 
-/// The same of a cascade, all its loops closed.
+/// The same for a cascade with all its loops closed.
 /// @param plant  as VerifyFacts::cascade_plant
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant,
                                                  const CascadeDesign& cascade);

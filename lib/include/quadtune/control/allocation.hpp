@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the wrench that a law asks for to the speeds of the rotors, as flight programs do it: one
-/// matrix and one square root a rotor.
+/// Converts the wrench of a law to rotor speeds as flight code does it: with one matrix and one
+/// square root per rotor.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,11 +11,11 @@
 
 namespace quadtune {
 
-/// Thrusts that give a wrench: t = t0 + P (wrench - wrench0), least in norm where rotors are more
-/// than four.
+/// Thrusts that produce a wrench: t = t0 + P (wrench - wrench0), of least norm if there are more
+/// than four rotors.
 ///
-/// Thrust and torques about the axes of the rotors are met exactly. The drag torque follows the
-/// thrust with the slope that it has at hover: exact where it is proportional to thrust.
+/// Thrust and the torques about body x and y are exact. The drag torque is linearized in the thrust
+/// at hover, which is exact if it is proportional to thrust.
 template <class T>
 struct Allocation {
   int rotors = 0;
@@ -27,20 +27,20 @@ struct Allocation {
   std::array<T, kMaxRotors> a1{};
 };
 
-/// The allocation of a vehicle whose rotors share the weight by least norm.
-/// @throws InvalidInput  if the rotors cannot make every wrench, or cannot hover.
+/// The allocation of a vehicle, with the hover thrusts of least norm.
+/// @throws InvalidInput  if the rotors cannot produce every wrench, or the vehicle cannot hover.
 [[nodiscard]] Allocation<double> allocation(const Vehicle& vehicle);
 
-/// Speed at which a rotor gives `thrust`; a thrust below 0 counts as 0. [rad/s]
+/// Speed at which a rotor produces `thrust`; negative thrusts count as 0. [rad/s]
 template <class T>
 [[nodiscard]] T speed_for_thrust(const T& thrust, const T& a2, const T& a1) {
   using std::sqrt;
-  const T t = greater(thrust, T(0));
+  const T t = max_of(thrust, T(0));
   // The larger root of a2 w² + a1 w = T.
-  return greater((sqrt(a1 * a1 + T(4) * a2 * t) - a1) / (T(2) * a2), T(0));
+  return max_of((sqrt(a1 * a1 + T(4) * a2 * t) - a1) / (T(2) * a2), T(0));
 }
 
-/// Speeds for a wrench [T τx τy τz]; the motors' limits are not looked at. [rad/s]
+/// Speeds for a wrench [T τx τy τz]; the motors' limits are not applied. [rad/s]
 template <class T>
 [[nodiscard]] RotorSpeeds<T> speeds_of_wrench(const Allocation<T>& allocation,
                                               const Eigen::Matrix<T, 4, 1>& wrench) {

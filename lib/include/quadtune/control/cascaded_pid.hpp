@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The cascade of PID loops as it runs on board: position to attitude, attitude and heading to
-/// torques, height to thrust. Near hover and within its limits it is cascade_law().
+/// The cascade of PID loops as it runs on board: from position to attitude, from attitude and
+/// heading to torques, from height to thrust. Near hover and within its limits it equals
+/// cascade_law().
 #pragma once
 
 #include <array>
@@ -14,44 +15,47 @@
 
 namespace quadtune {
 
-/// Set once.
+/// Settings of the cascade.
 template <class T>
 struct CascadedPidSettings {
   std::array<PidSettings<T>, kCascadeAxes> loops{};  ///< by CascadeAxis
   T attitude_limit = T(0);                           ///< of the references of roll and pitch [rad]
-  T weight = T(0);                                   ///< m g, fed forward [N]
-  T take_off_thrust = T(0);                          ///< in FlightPhase::take_off [N]
-  T greatest_thrust = T(0);                          ///< left to the altitude loop [N]
-  /// Whether the loops of position and height damp the velocity relative to that of the reference;
-  /// false: the velocity itself, as the source programs do, which lag behind a moving reference.
+  /// M g, added to the altitude loop's command [N].
+  T weight = T(0);
+  T take_off_thrust = T(0);  ///< in FlightPhase::take_off [N]
+  /// Maximum thrust that the altitude loop may command [N].
+  T max_thrust = T(0);
+  /// Whether the position and height loops damp the velocity relative to that of the reference. If
+  /// false, they damp the velocity itself, as the source programs do, and lag behind a moving
+  /// reference.
   bool velocity_feed_forward = false;
-  /// Whether integrals stop growing in a direction in which the motors produce no more.
+  /// Whether integrals stop growing in a direction in which the motors are saturated.
   bool conditional_integration = false;
 };
 
-/// What is kept from one sample to the next.
+/// The state kept from one sample to the next.
 template <class T>
 struct CascadedPidState {
   std::array<PidState<T>, kCascadeAxes> loops{};
   T roll_reference = T(0);   ///< of the last sample [rad]
   T pitch_reference = T(0);  ///< [rad]
-  /// Asked less made of the last sample, with conditional_integration; otherwise 0.
+  /// Requested minus produced values of the last sample with conditional_integration; otherwise 0.
   Eigen::Matrix<T, 4, 1> wrench_excess = Eigen::Matrix<T, 4, 1>::Zero();    ///< [N, N m]
   Eigen::Matrix<T, 2, 1> attitude_excess = Eigen::Matrix<T, 2, 1>::Zero();  ///< x, y [rad]
 };
 
-/// The settings of a design on a vehicle.
-/// @param design  loops as CascadeDesign; loops that are missing have no gain
-/// @throws InvalidInput  as validate(PidSettings), naming the loop
+/// The settings that fly a design on a vehicle.
+/// @param design  loops as in CascadeDesign; missing loops have zero gains
+/// @throws InvalidInput  as validate(PidSettings), with the name of the loop
 [[nodiscard]] CascadedPidSettings<double> cascaded_pid_settings(
     const Vehicle& vehicle, const CascadeGains& gains, PidMethod method, double attitude_limit,
     double integrator_limit, double back_calculation);
 
-/// One sample; returns the wrench [T τx τy τz] that the law asks for, T ≥ 0 along body -z.
+/// One sample; returns the commanded wrench [T τx τy τz], T ≥ 0 along body -z.
 ///
-/// In FlightPhase::take_off the thrust stands, the loops of position and height wait at 0, and
-/// attitude and heading are held. Where the reference does not track position, roll and pitch
-/// follow it directly and the loops of x and y wait.
+/// In FlightPhase::take_off the thrust is constant, the position and height loops are held at 0,
+/// and attitude and heading are controlled. If the reference does not track position, roll and
+/// pitch follow it directly and the x and y loops are held at 0.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 4, 1> step(const CascadedPidSettings<T>& settings,
                                           CascadedPidState<T>& state, const Estimate<T>& estimate,
@@ -99,18 +103,18 @@ template <class T>
   if (takes_off) {
     wrench(0) = settings.take_off_thrust;
   } else {
-    // The loop commands a force along +z, that is down, beside the weight.
+    // The loop commands a force along +z (down) that is added to the weight compensation.
     const T down = loop(CascadeAxis::altitude, reference.position(2), x(2), velocity(2),
                         T(-state.wrench_excess(0)))
                        .value;
-    wrench(0) = clamped(settings.weight - down, T(0), settings.greatest_thrust);
+    wrench(0) = clamped(settings.weight - down, T(0), settings.max_thrust);
   }
   return wrench;
 }
 
-/// Tells the law what the motors can carry out of the wrench that step() returned.
+/// Gives the law the wrench that the motors can produce, in response to that returned by step().
 template <class T>
-void carried_out(const CascadedPidSettings<T>& settings, CascadedPidState<T>& state,
+void on_realized(const CascadedPidSettings<T>& settings, CascadedPidState<T>& state,
                  const Eigen::Matrix<T, 4, 1>& asked, const Eigen::Matrix<T, 4, 1>& made) {
   if (!settings.conditional_integration) return;
   for (int i = 0; i < 4; ++i)

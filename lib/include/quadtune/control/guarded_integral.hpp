@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The integral of the uquad flight program, guarded three times against running away.
+/// The integral of the uquad flight code, with three guards against windup.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace quadtune {
 
-/// Set once. validate() tells whether step() may be given these; step() does not look.
+/// Validated by validate(); step() does not check.
 template <class Scalar>
 struct GuardedIntegralSettings {
   Scalar dt = 0;               ///< sample period [s], > 0
-  Scalar error_limit = 0;      ///< beyond this |error| the integral stands [error], ≥ 0
+  Scalar error_limit = 0;      ///< the integral is frozen while |error| exceeds it [error], ≥ 0
   Scalar increment_limit = 0;  ///< of |error · dt| in one sample [error · s], ≥ 0
   Scalar integral_limit = 0;   ///< of |integral| [error · s], ≥ 0
 };
@@ -25,13 +25,13 @@ struct GuardedIntegralState {
 
 /// One sample; returns the integral after it.
 ///
-/// Far from the set point the proportional part does the work and the integral waits; near it, it
-/// grows by the limited error · dt and stops at its limit. All limits act on both signs alike. An
-/// error that is NaN leaves the integral as it is.
+/// Far from the set point the integral is frozen and the proportional part acts alone. Near it, the
+/// integral grows by the limited error · dt and saturates at its limit. All limits are symmetric. A
+/// NaN error leaves the integral unchanged.
 template <class Scalar>
 Scalar step(const GuardedIntegralSettings<Scalar>& settings, GuardedIntegralState<Scalar>& state,
             Scalar error) noexcept {
-  const MaskOf<Scalar> near = magnitude(error) <= settings.error_limit;  // false for NaN
+  const MaskOf<Scalar> near = abs_of(error) <= settings.error_limit;  // false for NaN
   const Scalar increment =
       clamped(error * settings.dt, -settings.increment_limit, settings.increment_limit);
   const Scalar advanced =
@@ -43,7 +43,7 @@ Scalar step(const GuardedIntegralSettings<Scalar>& settings, GuardedIntegralStat
 static_assert(std::is_trivially_copyable_v<GuardedIntegralState<float>>);
 static_assert(std::is_trivially_copyable_v<GuardedIntegralState<double>>);
 
-/// Whether step() may run with these: dt > 0 and finite, limits ≥ 0 (infinite: no limit).
+/// Checks that step() may use these settings: dt > 0 and finite, limits ≥ 0 (infinite: no limit).
 /// @throws InvalidInput  "where: error_limit is -1, expected 0 or more because …"
 void validate(const GuardedIntegralSettings<double>& settings, const std::string& where);
 void validate(const GuardedIntegralSettings<float>& settings, const std::string& where);

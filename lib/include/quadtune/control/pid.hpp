@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A PID controller as it runs on board: the same code is simulated, analysed and flown.
+/// A PID controller as it runs on board. The same code is simulated, analysed and flown.
 #pragma once
 
 #include <cmath>
@@ -14,14 +14,15 @@
 
 namespace quadtune {
 
-/// What the derivative is taken of. v = c · set point - measurement.
+/// The signal that is differentiated. v = c · set point - measurement.
 enum class PidDerivative {
-  measured_rate,  ///< -Kd · rate: the measurement's rate has its own sensor; c and Tf are not used
-  difference,     ///< Kd (v[k] - v[k-1]) / dt; Tf is not used
-  filtered,       ///< Kd s / (Tf s + 1) of v, with s as the method says
+  /// -Kd · rate: the rate of the measurement has its own sensor; c and Tf are not used.
+  measured_rate,
+  difference,  ///< Kd (v[k] - v[k-1]) / dt; Tf is not used
+  filtered,    ///< Kd s / (Tf s + 1) of v, with s replaced according to the method
 };
 
-/// Set once. validate() tells whether step() may be given these; step() does not look.
+/// Validated by validate(); step() does not check.
 template <class Scalar>
 struct PidSettings {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -29,7 +30,7 @@ struct PidSettings {
   Scalar dt = 0;  ///< sample period [s], > 0
   Scalar Kp = 0;  ///< [output / error]
   Scalar Ki = 0;  ///< [output / (error · s)]
-  Scalar Kd = 0;  ///< [output · s / error]; of Kp's sign where it damps
+  Scalar Kd = 0;  ///< [output · s / error]; damping if it has the sign of Kp
   Scalar Tf = 0;  ///< time constant of the filtered derivative [s]
   Scalar b = 1;   ///< weight of the set point in the proportional part
   Scalar c = 0;   ///< weight of the set point in the derivative
@@ -37,18 +38,19 @@ struct PidSettings {
   PidDerivative derivative = PidDerivative::measured_rate;
   Scalar output_min = Scalar(-kInfinity);    ///< [output]
   Scalar output_max = Scalar(kInfinity);     ///< [output], ≥ output_min
-  Scalar integral_min = Scalar(-kInfinity);  ///< of the integral's part of the output [output]
+  Scalar integral_min = Scalar(-kInfinity);  ///< of the integral part of the output [output]
   Scalar integral_max = Scalar(kInfinity);   ///< [output], ≥ integral_min
-  Scalar back_calculation = 0;  ///< anti-windup gain [1/s], 0 … 1/dt; 0 switches it off
+  /// Anti-windup gain [1/s], 0 … 1/dt; 0 disables it.
+  Scalar back_calculation = 0;
 };
 
-/// What is kept from one sample to the next. A copy of it resumes identically.
+/// The state kept from one sample to the next. A copy resumes identically.
 template <class Scalar>
 struct PidState {
   Scalar integral = 0;    ///< Ki ∫error, in units of the output
   Scalar error = 0;       ///< of the last sample
   Scalar v = 0;           ///< c · set point - measurement of the last sample
-  Scalar derivative = 0;  ///< the derivative's part of the last output
+  Scalar derivative = 0;  ///< derivative part of the last output
   Scalar output = 0;      ///< the last output
 };
 
@@ -58,17 +60,17 @@ struct PidInput {
   Scalar measurement = 0;
   Scalar rate = 0;          ///< of the measurement [1/s]; used with PidDerivative::measured_rate
   Scalar feed_forward = 0;  ///< added before the output is limited
-  /// What of the last output could not be carried out, asked less made [output]. The integral then
-  /// does not grow in this direction.
+  /// Requested minus produced part of the last output [output]. The integral does not grow in this
+  /// direction.
   Scalar excess = 0;
 };
 
 template <class Scalar>
 struct PidOutput {
-  Scalar value = 0;              ///< within output_min … output_max
-  Scalar unlimited = 0;          ///< what it would be without these
-  MaskOf<Scalar> finite = true;  ///< false: an input was not; value is the last one, the state did
-                                 ///< not move
+  Scalar value = 0;      ///< within output_min … output_max
+  Scalar unlimited = 0;  ///< the output without these limits
+  /// False if an input was not finite: value is then the last output, and the state is unchanged.
+  MaskOf<Scalar> finite = true;
 };
 
 /// d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
@@ -98,7 +100,7 @@ template <class Scalar>
   return {0, 1};
 }
 
-/// Zero for a measured rate, which needs no difference.
+/// Zero if the rate is measured, since no difference is needed then.
 template <class Scalar>
 [[nodiscard]] constexpr PidDifference<Scalar> pid_difference(
     const PidSettings<Scalar>& settings) noexcept {
@@ -119,10 +121,10 @@ template <class Scalar>
 
 /// One sample: output = Kp (b r - y) + I + D + feed forward, limited.
 ///
-/// I and D are the difference equations of PidQuadrature and PidDifference, I within its limits.
-/// The back-calculation moves I by dt · back_calculation · (limited - unlimited) after the output
-/// is formed, so it shows in the next one. An input with an excess keeps I from growing in its
-/// direction. Neither allocates nor throws. Theory: "PID element".
+/// I and D are the difference equations of PidQuadrature and PidDifference, with I limited. After
+/// the output is formed, back-calculation changes I by
+/// dt · back_calculation · (limited - unlimited), which affects the next output. An input with an
+/// excess keeps I from growing in its direction. Does not allocate or throw. Theory: "PID element".
 template <class Scalar>
 PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& state,
                        const PidInput<Scalar>& input) noexcept {
@@ -145,7 +147,7 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   const Scalar proportional = settings.Kp * (settings.b * input.set_point - input.measurement);
   const Scalar unlimited = proportional + integral + derivative + input.feed_forward;
   const Scalar output = clamped(unlimited, settings.output_min, settings.output_max);
-  // A NaN that once entered the state would never leave it.
+  // Reject NaN here: once in the state, it would stay there.
   const MaskOf<Scalar> finite = is_finite(unlimited + error + v);
   state.integral =
       select(finite, integral + settings.dt * settings.back_calculation * (output - unlimited),
@@ -157,9 +159,9 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   return {state.output, unlimited, finite};
 }
 
-/// The state from which a controller goes on without a bump: as if `input` and `output` had stood
-/// for long. With a standing input the next output differs from `output` by the integral's one
-/// increment.
+/// The state for a bumpless start: as if `input` and `output` had been constant for a long time.
+/// With a constant input, the next output differs from `output` only by one increment of the
+/// integral.
 template <class Scalar>
 [[nodiscard]] PidState<Scalar> pid_start(const PidSettings<Scalar>& settings,
                                          const PidInput<Scalar>& input, Scalar output) noexcept {
@@ -174,7 +176,7 @@ template <class Scalar>
   return state;
 }
 
-/// The same settings in another precision.
+/// Converts settings to another precision.
 template <class To, class From>
 [[nodiscard]] constexpr PidSettings<To> pid_cast(const PidSettings<From>& from) noexcept {
   return {To(from.dt),
@@ -197,28 +199,30 @@ static_assert(std::is_trivially_copyable_v<PidState<float>>);
 static_assert(std::is_trivially_copyable_v<PidState<double>>);
 static_assert(std::is_trivially_copyable_v<PidSettings<float>>);
 
-/// Whether step() may run with these: dt > 0, finite gains, limits in order, a filter that is
-/// stable (Tf > dt/2 by forward Euler, Tf ≥ 0 by backward Euler, Tf > 0 by Tustin), and a
+/// Checks that step() may use these settings: dt > 0, finite gains, ordered limits, a stable filter
+/// (Tf > dt/2 with forward Euler, Tf ≥ 0 with backward Euler, Tf > 0 with Tustin), and a
 /// back-calculation that does not overshoot.
 /// @throws InvalidInput  "where: Tf is 0.001 s, expected more than dt/2 = 0.0025 s because …"
 void validate(const PidSettings<double>& settings, const std::string& where);
 void validate(const PidSettings<float>& settings, const std::string& where);
 
-/// A loop of a cascade as an element: derivative of the measured rate, integral by forward Euler,
-/// no limits. The sign of Kd turns around: PidLoop adds Kd · rate, the element subtracts it.
-/// @throws InvalidInput  as validate(), naming the loop.
+/// A loop of a cascade as a PID element: derivative of the measured rate, integral by forward
+/// Euler, no limits. The sign of Kd changes, since PidLoop adds Kd · rate and the element subtracts
+/// it.
+/// @throws InvalidInput  as validate(), with the name of the loop.
 [[nodiscard]] PidSettings<double> pid_settings(const PidLoop& loop, double dt);
 
-/// Between which signals a transfer function of the element is asked for. The output is always the
-/// element's. By linearity, output = set_point · r + measurement · y + rate · y'.
+/// The input of a transfer function of the element; the output is always that of the element. By
+/// linearity, output = set_point · r + measurement · y + rate · y'.
 enum class PidChannel {
-  error,        ///< -measurement: the controller in the loop's transfer function
-  set_point,    ///< with the weights b and c
-  measurement,  ///< -(Kp + I + D); the D of a measured rate is not in it
-  rate,         ///< -Kd with a measured rate, otherwise 0
+  error,      ///< -measurement: the controller in the loop's transfer function
+  set_point,  ///< with the weights b and c
+  /// -(Kp + I + D); excludes the D of a measured rate.
+  measurement,
+  rate,  ///< -Kd with a measured rate, otherwise 0
 };
 
-/// What runs, exactly, as long as no limit is met.
+/// The exact transfer function of step() as long as no limit is active.
 /// @throws InvalidInput  as validate()
 [[nodiscard]] DiscreteTransferFunction pid_transfer_function(const PidSettings<double>& settings,
                                                              PidChannel channel);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ways to sample a PID controller.
+/// Discretization methods of a PID controller.
 #pragma once
 
 #include <string>
 
 namespace quadtune {
 
-/// What the sampled controller puts in the place of s.
+/// The expression that replaces s in the sampled controller.
 enum class PidMethod {
   forward_euler,   ///< (z - 1) / dt
   backward_euler,  ///< (z - 1) / (dt z)
@@ -15,7 +15,7 @@ enum class PidMethod {
 
 /// "euler", "backward-euler", "tustin".
 [[nodiscard]] std::string to_string(PidMethod method);
-/// @throws InvalidInput  naming the word and the three that exist.
+/// @throws InvalidInput  with the unknown name and the three valid ones.
 [[nodiscard]] PidMethod pid_method(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

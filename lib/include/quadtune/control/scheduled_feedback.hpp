@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A gain schedule as it runs on board: which gains and trims hold in a control period.
+/// A gain schedule as it runs on board: selects gains and trims in every control period.
 /// Method: docs/theory.md, "Gain schedules".
 #pragma once
 
@@ -15,23 +15,23 @@
 
 namespace quadtune {
 
-/// The gains of a schedule where the vehicle hovers, or at the point of the grid that is nearest to
-/// hover: what a flight begins with. Position counts in heading axes, because the models of a
-/// schedule know one heading only, and integrals stop at the limits of the motors.
-/// @throws InvalidInput  if the schedule has no gain there, or an axis of mass or density that does
-///                       not contain 1, the vehicle's own
+/// The gains of a schedule at hover, or at the grid point nearest to hover, with which a flight
+/// begins. Position errors use heading axes, because the models of a schedule have a single
+/// heading, and integrals use conditional integration.
+/// @throws InvalidInput  if the schedule has no gain there, or if an axis of mass or density does
+///                       not contain 1, the vehicle's own value
 [[nodiscard]] Gains hover_gains(const GainSchedule& schedule);
 
-/// Interpolates gains by the estimated flight and trims by the flight of the reference.
+/// Interpolates gains at the estimated flight condition and trims at that of the reference.
 ///
-/// In u = u0 + K (x0 - x), x0 and u0 follow the reference and K follows the estimate. Where the
-/// vehicle flies as the reference does, the error is zero, so that the derivative of K does not
-/// enter the linearization: near every point of the grid the loop has the poles that were designed
-/// there. A trim that followed the estimate would feed the estimated speed back to the inputs.
+/// In u = u0 + K (x0 - x), x0 and u0 follow the reference and K follows the estimate. If the
+/// vehicle flies as the reference does, the error is zero, and the derivative of K does not enter
+/// the linearization: near every grid point the loop has the poles designed there. A trim that
+/// followed the estimate would feed the estimated speed back to the inputs.
 ///
-/// Values beyond the grid count as its nearest edge. A reference that turns faster than the grid
-/// reaches is a step, not a rotation, and counts as not turning. Where the grid has no gain, the
-/// last gain or trim holds.
+/// Values outside the grid are replaced by the nearest edge of the grid. A reference whose yaw
+/// changes faster than the maximum yaw rate of the grid is a step and counts as not rotating. If
+/// the grid has no gain at a point, the last gain or trim is kept.
 class ScheduledFeedback {
  public:
   /// @param dt  control period [s]
@@ -39,24 +39,24 @@ class ScheduledFeedback {
   ScheduledFeedback(const Vehicle& vehicle, std::shared_ptr<const GainSchedule> schedule,
                     double dt);
 
-  /// Sets K and K_int, x0 and u0 of a law, and nothing else. Call it once in every period.
+  /// Sets K, K_int, x0 and u0 of a law, and nothing else. Call it once per period.
   void set(const Estimate<double>& estimate, const Reference<double>& reference,
            StateFeedbackSettings<double>& law);
 
-  /// The velocity of the present trim over the ground, in world axes [m/s].
-  /// @param heading  of the vehicle [rad]
+  /// Ground velocity of the present trim in world axes [m/s].
+  /// @param heading  heading of the vehicle [rad]
   [[nodiscard]] Vector3<double> trim_velocity(double heading) const;
 
  private:
-  /// The nearest values of the grid, one for each axis.
+  /// The nearest grid values, one per axis.
   [[nodiscard]] Eigen::VectorXd on_grid(const Vector3<double>& velocity, double heading,
                                         double yaw_rate) const;
 
   std::shared_ptr<const GainSchedule> schedule_;
-  FeedbackWords words_;
+  FeedbackTransformation words_;
   double dt_;
-  double greatest_turn_ = 0;          ///< of the grid [rad/s]
-  std::optional<double> yaw_before_;  ///< of the reference [rad]
+  double max_yaw_rate_ = 0;           ///< maximum yaw rate of the grid [rad/s]
+  std::optional<double> yaw_before_;  ///< previous yaw of the reference [rad]
   Eigen::VectorXd gain_at_, trim_at_;
   StateFeedbackSettings<double> now_;
 };

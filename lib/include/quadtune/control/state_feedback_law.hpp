@@ -14,64 +14,65 @@
 
 namespace quadtune {
 
-/// Most states that a law integrates: each of the 12 at most once.
-inline constexpr int kMostIntegrals = 12;
+/// Maximum number of integrals of a law: one for each of the 12 states.
+inline constexpr int kMaxIntegrals = 12;
 
 /// Limits of the integral of one state, in the convention of the gains.
 struct IntegralGuard {
   std::string state;       ///< e.g. "theta"
-  double error_limit = 0;  ///< as GuardedIntegralSettings
+  double error_limit = 0;  ///< as in GuardedIntegralSettings
   double increment_limit = 0;
   double integral_limit = 0;
 };
 
-/// Limits of the last public version of the uquad's flight program.
+/// The limits of the last public version of the uquad flight code.
 [[nodiscard]] const std::vector<IntegralGuard>& uquad_integral_guards();
 
-/// Set once. K stands for quadtune's own states and inputs, whatever convention it came in.
+/// Settings of the law. K applies to the states and inputs of ned_convention(), whatever the
+/// convention of the original gains.
 template <class T>
 struct StateFeedbackSettings {
   InputKind input_kind = InputKind::rotor_speed;
   int inputs = 0;
   Eigen::Matrix<T, kMaxRotors, 12> K = Eigen::Matrix<T, kMaxRotors, 12>::Zero();
   int integrals = 0;
-  Eigen::Matrix<T, kMaxRotors, kMostIntegrals> K_int =
-      Eigen::Matrix<T, kMaxRotors, kMostIntegrals>::Zero();
-  std::array<int, kMostIntegrals> integrated{};  ///< which of the 12 states
-  std::array<GuardedIntegralSettings<T>, kMostIntegrals> guards{};
-  StateVector<T> x0 = StateVector<T>::Zero();  ///< set point at which u0 holds
+  Eigen::Matrix<T, kMaxRotors, kMaxIntegrals> K_int =
+      Eigen::Matrix<T, kMaxRotors, kMaxIntegrals>::Zero();
+  std::array<int, kMaxIntegrals> integrated{};  ///< indices into the 12 states
+  std::array<GuardedIntegralSettings<T>, kMaxIntegrals> guards{};
+  StateVector<T> x0 = StateVector<T>::Zero();  ///< set point at which u0 is the trim input
   Eigen::Matrix<T, kMaxRotors, 1> u0 = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
   PositionAxes axes = PositionAxes::world;
-  /// The law sees an error of the horizontal position of at most this length [m], > 0.
+  /// The horizontal position error that the law uses is limited to this length [m], > 0.
   T position_error_limit = T(std::numeric_limits<double>::infinity());
-  /// Whether integrals stop growing in a direction in which the motors produce no more.
+  /// Whether integrals stop growing in a direction in which the motors are saturated.
   bool conditional_integration = false;
-  /// CommandMemory, in quadtune's own inputs.
+  /// Whether the law has CommandMemory, here in the inputs of ned_convention().
   bool remembers = false;
   Eigen::Matrix<T, kMaxRotors, 1> lag_share =
       Eigen::Matrix<T, kMaxRotors, 1>::Zero();  ///< 1 - e^(-dt/lag)
   Eigen::Matrix<T, kMaxRotors, kMaxRotors> K_lag = Eigen::Matrix<T, kMaxRotors, kMaxRotors>::Zero();
-  int past = 0;                                              ///< 0 to kMostPastCommands
+  int past = 0;                                              ///< 0 to kMaxPastCommands
   Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past inputs)
 };
 
-/// What is kept from one sample to the next.
+/// The state kept from one sample to the next.
 template <class T>
 struct StateFeedbackState {
-  std::array<GuardedIntegralState<T>, kMostIntegrals> integrals{};
-  /// Asked less made of the last sample, with conditional_integration; otherwise 0.
+  std::array<GuardedIntegralState<T>, kMaxIntegrals> integrals{};
+  /// Requested minus produced input of the last sample with conditional_integration; otherwise 0.
   Eigen::Matrix<T, kMaxRotors, 1> excess = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
-  /// Of a law that remembers: the actuators' state and the past commands, less u0.
+  /// For a law with command memory: the actuators' state and the past commands, minus u0.
   Eigen::Matrix<T, kMaxRotors, 1> actuators = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
   Eigen::Matrix<T, Eigen::Dynamic, 1> commands = {};  ///< newest first; empty: none yet
 };
 
-/// How gains of a convention become those of quadtune's own states and inputs.
-struct FeedbackWords {
+/// The transformation of gains from a convention to the states and inputs of ned_convention().
+struct FeedbackTransformation {
   Eigen::MatrixXd inputs;     ///< (nu × nu) u_own = inputs · u: a signed permutation
   Eigen::MatrixXd states;     ///< (nx × 12) x = states · x_own
   Eigen::VectorXd integrals;  ///< (ni) sign of each integral
-  double law = 1;             ///< 1, or -1 where the gains act on x - sp
+  double law = 1;             ///< 1, or -1 if the gains multiply x - sp
 
   /// Sets K and K_int of a law from gains of this convention.
   void set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
@@ -81,19 +82,20 @@ struct FeedbackWords {
                 StateFeedbackSettings<double>& settings) const;
 };
 
-/// @throws InvalidInput  for states that are not the 12, or inputs that are not the vehicle's
-[[nodiscard]] FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains);
+/// @throws InvalidInput  if the states are not the 12 of the convention or the inputs not the
+///                       vehicle's
+[[nodiscard]] FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains);
 
-/// Gains of any convention, sign law and input kind as a law of a vehicle.
-/// @param dt      sample period [s]; that of the gains, or any for continuous gains
-/// @param guards  by name of the convention's state; an integrated state without one is not limited
-/// @throws InvalidInput  for gains of another vehicle's inputs, or states that are not the 12
+/// Converts gains of any convention, sign law and input kind to a law of a vehicle.
+/// @param dt      sample period [s]: that of the gains, or any for continuous gains
+/// @param guards  by state name of the convention; an integrated state without guard is not limited
+/// @throws InvalidInput  if the inputs are not those of the vehicle or the states not the 12
 [[nodiscard]] StateFeedbackSettings<double> state_feedback_settings(
     const Vehicle& vehicle, const Gains& gains, double dt,
     const std::vector<IntegralGuard>& guards);
 
-/// The set point of the 12 states for a reference; states that it does not speak of are those of
-/// x0.
+/// The set point of the 12 states for a reference; states that the reference does not define are
+/// those of x0.
 template <class T>
 [[nodiscard]] StateVector<T> set_point(const StateFeedbackSettings<T>& settings,
                                        const Estimate<T>& estimate, const Reference<T>& reference) {
@@ -104,7 +106,7 @@ template <class T>
   if (reference.track_position) {
     sp.template segment<3>(kPosition) = reference.position;
   } else {
-    // Attitude is what is asked for: position across has no say, and height stays.
+    // The reference is an attitude: horizontal position is not controlled, the height is held.
     sp.template segment<2>(kPosition) = estimate.x.template segment<2>(kPosition);
     sp.template segment<2>(kVelocity) = estimate.x.template segment<2>(kVelocity);
     sp(2) = reference.position(2);
@@ -114,7 +116,8 @@ template <class T>
   return sp;
 }
 
-/// (north, east) turned from the heading of the trim to that of the vehicle, or as it is.
+/// Rotates (north, east) from the heading of the trim to that of the vehicle, for
+/// PositionAxes::heading.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 2, 1> in_position_axes(const StateFeedbackSettings<T>& settings,
                                                       const Estimate<T>& estimate, const T& north,
@@ -126,9 +129,9 @@ template <class T>
   return {c * north + s * east, c * east - s * north};
 }
 
-/// One sample; returns u in the law's own input kind, one a rotor or [T τx τy τz].
+/// One sample; returns u in the law's own input kind: one entry per rotor, or [T τx τy τz].
 ///
-/// Then carried_out() must be told what the motors produce of it.
+/// Afterwards, call on_realized() with the input that the motors produce.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, kMaxRotors, 1> step(const StateFeedbackSettings<T>& settings,
                                                    StateFeedbackState<T>& state,
@@ -145,8 +148,8 @@ template <class T>
   Eigen::Matrix<T, kMaxRotors, 1> u = settings.u0;
   for (int j = 0; j < 12; ++j)
     for (int i = 0; i < settings.inputs; ++i) u(i) += settings.K(i, j) * error(j);
-  // Integrals are kept in world axes, in which a steady wind is steady.
-  std::array<T, kMostIntegrals> integrals{};
+  // Integrals are kept in world axes, in which a steady wind is constant.
+  std::array<T, kMaxIntegrals> integrals{};
   std::array<int, 2> of_position = {-1, -1};
   for (int j = 0; j < settings.integrals; ++j) {
     const int of = settings.integrated[static_cast<std::size_t>(j)];
@@ -156,9 +159,9 @@ template <class T>
     const auto k = static_cast<std::size_t>(j);
     const int of = settings.integrated[k];
     const GuardedIntegralState<T> before = state.integrals[k];
-    T pushes = T(0);  // what the motors do not produce already, > 0
+    T pushes = T(0);  // > 0 if the integral acts in a direction in which the motors are saturated
     if (settings.conditional_integration) {
-      // An error to the north is one along and one across the heading: both columns answer it.
+      // A north error has a component along and one across the heading, so both columns contribute.
       Eigen::Matrix<T, 2, 1> turned = Eigen::Matrix<T, 2, 1>::Zero();
       if (of < 2)
         turned = in_position_axes<T>(settings, estimate, of == 0 ? integrated(0) : T(0),
@@ -170,7 +173,7 @@ template <class T>
           if (of_position[axis] >= 0)
             answer +=
                 settings.K_int(i, of_position[axis]) * turned(static_cast<Eigen::Index>(axis));
-        pushes += greater(T(state.excess(i) * answer), T(0));
+        pushes += max_of(T(state.excess(i) * answer), T(0));
       }
     }
     integrals[k] = step(settings.guards[k], state.integrals[k], T(integrated(of)));
@@ -200,11 +203,11 @@ template <class T>
   return u;
 }
 
-/// Tells the law what the motors carry out in this control period.
-/// @param asked  what step() returned, or `made` where the law was not asked
-/// @param made   what the motors produce of it, in the same kind of input
+/// Gives the law the input that the motors produce in this control period.
+/// @param asked  the result of step(), or `made` if step() was not called
+/// @param made   the input that the motors produce, of the same kind
 template <class T>
-void carried_out(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
+void on_realized(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
                  const Eigen::Matrix<T, kMaxRotors, 1>& asked,
                  const Eigen::Matrix<T, kMaxRotors, 1>& made) {
   const int n = settings.inputs;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Angles as sensors give them: turned back into one turn, and of a level vehicle's accelerometer.
+/// Angles from sensors: wrapping into one turn, tilt from an accelerometer, yaw from a
+/// magnetometer.
 #pragma once
 
 #include <cmath>
@@ -12,39 +13,40 @@
 namespace quadtune {
 namespace on_board_math {
 
-/// To the nearest integer, ties to even, as Pack does it.
+/// Rounds to the nearest integer, ties to even, as the overload for Pack does.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] inline T nearest(T x) { return std::nearbyint(x); }
 
 }  // namespace on_board_math
 
-/// The angle less whole turns, within -π … π [rad].
+/// The angle minus the nearest multiple of 2π, within [-π, π] [rad].
 template <class T>
-[[nodiscard]] T wrapped(const T& angle) {
+[[nodiscard]] T wrap_angle(const T& angle) {
   using on_board_math::nearest;
   return angle - T(2 * std::numbers::pi) * nearest(angle * T(0.5 / std::numbers::pi));
 }
 
-/// What an accelerometer at rest tells of the attitude.
+/// Attitude that an accelerometer at rest measures; the yaw is not observable.
 template <class T>
 struct Tilt {
   T roll = T(0);   ///< -π … π [rad]
   T pitch = T(0);  ///< -π/2 … π/2 [rad]
 };
 
-/// Roll and pitch at which a body that does not accelerate feels the specific force f: the
-/// solution of f = -g R_WBᵀ e_z, for f of any length but 0.
+/// Roll and pitch of a body that does not accelerate and measures the specific force f: the
+/// solution of f = -g R_WBᵀ e_z. The length of f does not matter; it must not be 0.
 template <class T>
-[[nodiscard]] Tilt<T> tilt_of_force(const Vector3<T>& f) {
+[[nodiscard]] Tilt<T> tilt_from_force(const Vector3<T>& f) {
   using std::atan2, std::sqrt;
   return {atan2(-f.y(), -f.z()), atan2(f.x(), T(sqrt(f.y() * f.y() + f.z() * f.z())))};
 }
 
-/// Yaw from the earth's field in body axes, of a body with this roll and pitch [rad, -π … π].
-/// @param declination  of magnetic north, east positive [rad].
+/// Yaw from the earth's magnetic field in body axes, for a body with this roll and pitch [rad],
+/// within [-π, π] of the declination.
+/// @param declination  of magnetic north, positive to the east [rad]
 template <class T>
-[[nodiscard]] T yaw_of_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {
+[[nodiscard]] T yaw_from_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {
   using std::atan2, std::cos, std::sin;
   const T sr = sin(tilt.roll), cr = cos(tilt.roll);
   const T sp = sin(tilt.pitch), cp = cos(tilt.pitch);

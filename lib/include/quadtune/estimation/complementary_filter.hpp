@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Attitude from a gyroscope, corrected slowly toward what the accelerometer takes for down.
-/// Theory: "Estimators on board".
+/// Attitude by integration of a gyroscope, slowly corrected toward the tilt that the accelerometer
+/// measures. Theory: "Estimators on board".
 #pragma once
 
 #include <limits>
@@ -14,50 +14,53 @@
 
 namespace quadtune {
 
-/// Set once. validate() tells whether step() may be given these; step() does not look.
+/// Constant settings. validate() checks them; step() does not.
 template <class T>
 struct ComplementaryFilterSettings {
-  double dt = 0.005;       ///< sample period [s], > 0
-  T gravity = T(9.81);     ///< [m/s²], > 0
-  T time_constant = T(1);  ///< of the correction by the accelerometer [s], ≥ 0; infinite: none
-  /// Share of g by which |f| may differ before nothing is believed of it; the weight falls in
-  /// proportion on the way. > 0; infinite: f is always believed.
+  double dt = 0.005;    ///< sample period [s], > 0
+  T gravity = T(9.81);  ///< [m/s²], > 0
+  /// of the correction by the accelerometer [s], ≥ 0; infinite: no correction
+  T time_constant = T(1);
+  /// Relative difference of |f| from g at which the correction is switched off; its weight
+  /// decreases linearly from 1 at |f| = g to 0. > 0; infinite: the weight is always 1.
   T force_band = T(0.25);
-  /// Time in which a bias of the gyroscope is found [s], at least 4 times time_constant; infinite:
-  /// none is looked for.
+  /// Time constant of the gyroscope bias estimate [s], at least 4 times time_constant; infinite:
+  /// the bias is not estimated.
   T bias_time_constant = T(std::numeric_limits<double>::infinity());
 };
 
 template <class T>
 struct ComplementaryFilterState {
-  Vector3<T> angles = Vector3<T>::Zero();     ///< roll pitch, within ±π; yaw, unwrapped [rad]
+  Vector3<T> angles = Vector3<T>::Zero();     ///< roll and pitch within ±π; yaw not wrapped [rad]
   Vector3<T> gyro_bias = Vector3<T>::Zero();  ///< body axes [rad/s]
-  Vector3<T> gyro = Vector3<T>::Zero();       ///< the last sample, with its bias [rad/s]
+  Vector3<T> gyro = Vector3<T>::Zero();       ///< the last sample, bias included [rad/s]
 };
 
-/// (roll', pitch', yaw') of body rates. As euler_rate_matrix(), but finite in every attitude: near
-/// ±90° of pitch the cosine is held at 0.05, where the filter is wrong and recovers later.
+/// (roll', pitch', yaw') from body rates. Like euler_rate_matrix(), but finite in every attitude:
+/// the magnitude of cos(pitch) is bounded below by 0.05. Near ±90° of pitch the result is therefore
+/// wrong, and the filter recovers afterwards.
 template <class T>
 [[nodiscard]] Vector3<T> bounded_euler_rates(const T& roll, const T& pitch,
                                              const Vector3<T>& rates) {
   using std::cos, std::sin;
-  const T least = T(0.05);
+  const T min = T(0.05);
   const T sr = sin(roll), cr = cos(roll), cp = cos(pitch);
-  const T held = select(cp < T(0), lesser(cp, T(-least)), greater(cp, least));
+  const T held = select(cp < T(0), min_of(cp, T(-min)), max_of(cp, min));
   const T yaw_rate = (rates.y() * sr + rates.z() * cr) / held;
   return {rates.x() + sin(pitch) * yaw_rate, rates.y() * cr - rates.z() * sr, yaw_rate};
 }
 
-/// One sample. With w the mean of this and the last sample of the gyroscope less its bias,
+/// Processes one sample. With w the mean of this and the previous gyroscope sample, bias
+/// subtracted,
 ///
 ///     angles ← angles + dt E(angles half way) w
-///     roll, pitch ← + α weight · (those of the accelerometer - these),   α = dt/(τ + dt)
+///   roll, pitch ← + α weight · (accelerometer tilt - roll, pitch),   α = dt/(τ + dt)
 ///
-/// Exact for constant angles: a tilt error decays by τ/(τ + dt) a sample, and a bias b of the
-/// gyroscope ends as the offset b τ. The yaw is integrated and nothing corrects it.
-/// @param gyro   [rad/s], finite.
-/// @param force  specific force [m/s²], finite.
-/// @param force_fresh  whether the force is a new sample; without one nothing is corrected.
+/// While the angles are constant, a tilt error decays by the factor τ/(τ + dt) per sample, and a
+/// gyroscope bias b causes a steady tilt error of b τ. The yaw is only integrated.
+/// @param gyro   [rad/s], finite
+/// @param force  specific force [m/s²], finite
+/// @param force_fresh  whether the force is a new sample; otherwise the angles are not corrected
 template <class T>
 void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterState<T>& state,
           const Vector3<T>& gyro, const Vector3<T>& force, const MaskOf<T>& force_fresh) {
@@ -70,18 +73,18 @@ void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterSta
   state.angles += bounded_euler_rates(half_way.x(), half_way.y(), rates) * dt;
 
   const T norm = sqrt(force.squaredNorm());
-  const T excess = magnitude(T(norm / settings.gravity - T(1))) / settings.force_band;
-  // A falling body feels nothing, and what is left then points anywhere.
-  const MaskOf<T> felt = both(force_fresh, norm > T(0.1) * settings.gravity);
-  const T weight = select(felt, greater(T(T(1) - excess), T(0)), T(0));
-  const Tilt<T> tilt = tilt_of_force(force);
+  const T excess = abs_of(T(norm / settings.gravity - T(1))) / settings.force_band;
+  // In free fall the specific force is near zero and its direction carries no information.
+  const MaskOf<T> felt = logical_and(force_fresh, norm > T(0.1) * settings.gravity);
+  const T weight = select(felt, max_of(T(T(1) - excess), T(0)), T(0));
+  const Tilt<T> tilt = tilt_from_force(force);
   const T alpha = dt / (settings.time_constant + dt) * weight;
-  const T roll_error = wrapped(T(tilt.roll - state.angles.x()));
+  const T roll_error = wrap_angle(T(tilt.roll - state.angles.x()));
   const T pitch_error = tilt.pitch - state.angles.y();
-  state.angles.x() = wrapped(T(state.angles.x() + alpha * roll_error));
-  state.angles.y() = wrapped(T(state.angles.y() + alpha * pitch_error));
+  state.angles.x() = wrap_angle(T(state.angles.x() + alpha * roll_error));
+  state.angles.y() = wrap_angle(T(state.angles.y() + alpha * pitch_error));
 
-  // The error's own share along each body axis: body_rate_matrix() · (roll, pitch, 0).
+  // Projects the tilt error on the body axes: body_rate_matrix() · (roll, pitch, 0).
   const T beta = alpha / settings.bias_time_constant;
   const T sr = sin(state.angles.x()), cr = cos(state.angles.x());
   state.gyro_bias.x() -= beta * roll_error;
@@ -89,8 +92,9 @@ void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterSta
   state.gyro_bias.z() += beta * sr * pitch_error;
 }
 
-/// Whether step() may run with these: dt and gravity > 0 and finite, time_constant ≥ 0, band > 0,
-/// bias_time_constant ≥ 4 time_constant, so that the two do not swing together.
+/// Validates the settings: dt and gravity > 0 and finite, time_constant ≥ 0, force_band > 0,
+/// bias_time_constant ≥ 4 time_constant. The last keeps the bias estimate and the tilt correction
+/// from oscillating against each other.
 /// @throws InvalidInput  "where: force_band is 0, expected …"
 void validate(const ComplementaryFilterSettings<double>& settings, const std::string& where);
 void validate(const ComplementaryFilterSettings<float>& settings, const std::string& where);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A covariance matrix as a function of numbers that are to be found.
+/// A covariance matrix as a function of parameters that are estimated from logs.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,17 +9,18 @@
 
 namespace quadtune {
 
-/// exp(θ) · shape: one variance, or one that several entries share.
+/// exp(θ) · shape: one variance, or several entries that share a factor.
 struct ScaledCovariance {
   Eigen::MatrixXd shape;  ///< (n × n) symmetric, ≥ 0
-  int parameter = 0;      ///< θ, its logarithm
+  int parameter = 0;      ///< index of θ, the logarithm of the factor
 };
 
-/// A full block by its factor: Σ = L Lᵀ, row i of L = exp(θ_i / 2) (a_i1, …, a_i,i-1, 1, 0, …). Any
-/// θ and a give a positive definite block, and each such block has one θ and a.
+/// A full block, parameterized by its factor: Σ = L Lᵀ, row i of L = exp(θ_i / 2) (a_i1, …,
+/// a_i,i-1, 1, 0, …). Any θ and a give a positive definite block, and each positive definite block
+/// has exactly one θ and a.
 struct FullCovariance {
   std::vector<int> entries;  ///< rows and columns of the block
-  /// Of θ_1, a_21, θ_2, a_31, a_32, θ_3, …: n (n + 1) / 2 in a row.
+  /// Index of the first of n (n + 1) / 2 consecutive parameters θ_1, a_21, θ_2, a_31, a_32, θ_3, ….
   int first_parameter = 0;
 };
 
@@ -36,7 +37,7 @@ struct CovarianceModel {
 [[nodiscard]] bool is_diagonal(const CovarianceModel& model);
 
 /// Entry (i, j) of the block of a FullCovariance.
-/// @param parameters  θ and a from its first parameter on.
+/// @param parameters  θ and a, beginning with the block's first parameter
 template <class T>
 [[nodiscard]] T full_entry(const T* parameters, int i, int j) {
   using std::exp;
@@ -47,12 +48,12 @@ template <class T>
   return sum * T(exp(T(0.5) * (row(i)[i] + row(j)[j])));
 }
 
-/// The parameters of a positive definite block: the inverse of full_entry().
-/// @return  (n (n + 1) / 2), not finite where the block is not positive definite.
+/// Computes the parameters of a positive definite block: the inverse of full_entry().
+/// @return  (n (n + 1) / 2), not finite if the block is not positive definite
 [[nodiscard]] Eigen::VectorXd parameters_of_block(const Eigen::Ref<const Eigen::MatrixXd>& block);
 
-/// Σ(θ), into a matrix of the right size.
-/// @param parameters  all of the model that the covariance belongs to.
+/// Writes Σ(θ) to a matrix that already has the right size.
+/// @param parameters  all parameters of the filter model that the covariance belongs to
 template <class T, class Matrix>
 void fill_covariance(const CovarianceModel& model, const T* parameters, Matrix& result) {
   using std::exp;
@@ -71,7 +72,7 @@ void fill_covariance(const CovarianceModel& model, const T* parameters, Matrix& 
             full_entry(parameters + term.first_parameter, static_cast<int>(i), static_cast<int>(j));
 }
 
-/// Σ(θ) in plain numbers.
+/// Σ(θ) as a matrix of doubles.
 [[nodiscard]] Eigen::MatrixXd covariance(const CovarianceModel& model,
                                          const Eigen::Ref<const Eigen::VectorXd>& parameters);
 

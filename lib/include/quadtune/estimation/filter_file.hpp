@@ -9,25 +9,26 @@
 
 namespace quadtune {
 
-/// A model that the library carries, or a user's file.
-/// @param name  a built-in model's name, or a path.
-/// @throws InvalidInput  "file:line: …" for a mistake in it; for a name that is none.
-/// @throws FileError     for a file that cannot be read.
+/// Loads a built-in filter model or a user's file.
+/// @param name  name of a built-in model, or a path
+/// @throws InvalidInput  "file:line: …" if the file has a mistake; if there is no built-in model
+///                       and no file of that name
+/// @throws FileError     if the file cannot be read
 [[nodiscard]] FilterModel load_filter_model(const std::string& name);
 
-/// A model from the text of its file.
-/// @param origin  What messages call it.
+/// Parses a filter model from the text of its file.
+/// @param origin  name of the text in messages
 [[nodiscard]] FilterModel parse_filter_model(const std::string& text, const std::string& origin);
 
-/// The text of a file that parse_filter_model() reads as this model, with its starts.
-/// @param comments  lines at its head, without '#'
-/// @throws InvalidInput  as validate(); for what a file cannot say: a part of a covariance that is
-/// no
-///                       identity, some diffuse states among others.
+/// Returns the text of a file that parse_filter_model() reads as this model, including its starts.
+/// @param comments  lines at the beginning of the file, without '#'
+/// @throws InvalidInput  as validate(); if the file format cannot express the model: a term of a
+///                       covariance that is not an identity, or only some diffuse states
 [[nodiscard]] std::string text_of_filter_model(const FilterModel& model,
                                                const std::vector<std::string>& comments = {});
 
-/// Name and description of each built-in model, in the order of the documentation.
+/// Name and description of a built-in model; built_in_filter_models() lists them in the order of
+/// the documentation.
 struct FilterModelTitle {
   std::string name, description;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A linear filter whose noise is not known yet: what moves, what is measured, and which numbers of
-/// the covariances are to be found from logs.
+/// A linear filter with unknown noise: its dynamics, its sensors, and the parameters of its
+/// covariances that are estimated from logs.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,22 +15,21 @@
 
 namespace quadtune {
 
-/// What is known of a parameter before the log is read: its logarithm is normal.
+/// Prior distribution of a parameter: its logarithm is normally distributed.
 struct NoisePrior {
   double median = 1;     ///< of the variance, > 0
-  double deviation = 1;  ///< of its logarithm, > 0
+  double deviation = 1;  ///< standard deviation of the logarithm, > 0
 };
 
-/// One entry of θ. Of a variance it is the logarithm; of an off-diagonal entry of a
-/// FullCovariance the entry.
+/// One entry of θ: the logarithm of a variance, or an off-diagonal entry a of a FullCovariance.
 struct NoiseParameter {
   std::string name;  ///< e.g. "Q.vz", "R.sonar"
-  std::string unit;  ///< of the variance; empty when not known
+  std::string unit;  ///< of the variance; empty if unknown
   bool logarithmic = true;
-  double start = 1;    ///< the variance (> 0), or the entry, that a search begins with
-  bool fixed = false;  ///< it stays there
+  double start = 1;    ///< initial value of a search: a variance (> 0), or the entry itself
+  bool fixed = false;  ///< the search keeps the parameter at its start
   std::optional<NoisePrior> prior = {};
-  /// Of a tuned model: between which the variance lies with 95 % probability.
+  /// Set by tuning: the interval in which the variance lies with 95 % probability.
   std::optional<std::pair<double, double>> interval = {};
 
   friend bool operator==(const NoiseParameter& a, const NoiseParameter& b) {
@@ -38,23 +37,25 @@ struct NoiseParameter {
   }
 };
 
-/// What one sensor measures, all of it in one sample: y = C x + D u + v, v of covariance R.
+/// A sensor, all of whose outputs are measured in one sample: y = C x + D u + v, v with covariance
+/// R.
 struct FilterSensor {
   std::string name;             ///< e.g. "sonar"
   std::vector<Signal> outputs;  ///< ny
   Eigen::MatrixXd C;            ///< (ny × nx)
   Eigen::MatrixXd D;            ///< (ny × nu); empty means zero
-  CovarianceModel R;            ///< (ny × ny), of a sample
-  double delay = 0;             ///< a sample logged at t is of t - delay [s], ≥ 0
-  /// Degrees of freedom of Student's distribution, of scale R, where errors have long tails; > 2.
-  /// 0: they are normal. Needs a diagonal R.
+  CovarianceModel R;            ///< (ny × ny), per sample
+  double delay = 0;             ///< a sample logged at time t was taken at t - delay [s], ≥ 0
+  /// Degrees of freedom of Student's t distribution with scale R, for errors with long tails; > 2.
+  /// 0: the errors are normally distributed. Requires a diagonal R.
   double student = 0;
-  /// Largest e²/S, of scalars one by one, that a measurement is believed with; ≥ 4.
+  /// Largest e²/S with which a measurement is accepted, tested for each scalar; ≥ 4.
   double gate = std::numeric_limits<double>::infinity();
 };
 
-/// x' = A x + B u + G w, w white of density Q [unit²/s]; or, where dt > 0, x[k+1] = A x[k] + B u[k]
-/// + G w[k], w of covariance Q each dt seconds. Inputs hold from one sample to the next.
+/// x' = A x + B u + G w, w white with density Q [unit²/s]; or, if dt > 0, x[k+1] = A x[k] + B u[k]
+/// + G w[k], w with covariance Q per step of dt seconds. Inputs are constant from one sample to the
+/// next.
 struct FilterModel {
   std::string name;            ///< e.g. "altitude"
   std::string description;     ///< one line; may be empty
@@ -68,37 +69,39 @@ struct FilterModel {
   CovarianceModel Q;           ///< (nw × nw)
   std::vector<FilterSensor> sensors;
 
-  Eigen::VectorXd x0;         ///< (nx) at the first sample
-  Eigen::MatrixXd P0;         ///< (nx × nx) of its error, 0 in rows and columns of diffuse states
+  /// (nx × nx) covariance of the error of x0; 0 in rows and columns of diffuse states
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd P0;         ///< (nx) true: the initial state is completely unknown
   std::vector<bool> diffuse;  ///< (nx) nothing is known of the state at the start
 
-  /// Of a model of inertial navigation, in world axes [m/s²]: its A, B and G are those of no
-  /// attitude in particular, and its records are linearized by a nonlinear_filter().
+  /// Set for a model of inertial navigation: gravity in world axes [m/s²]. A, B and G then do not
+  /// refer to any particular attitude, and nonlinear_filter() linearizes the records.
   std::optional<Eigen::Vector3d> gravity = {};
-  /// Of a model of the rigid body, name or file of the vehicle: likewise.
+  /// Set for a model of a rigid body: name or file of the vehicle. A, B and G are linearized
+  /// likewise.
   std::string vehicle = {};
 
   std::vector<NoiseParameter> parameters;
 
-  /// Of the tuning that the starts come from: "pass", "fail" or "too short to tell"; empty for
-  /// none.
+  /// Result of the tuning that computed the starts: "pass", "fail" or "too short to tell"; empty if
+  /// the model is not tuned.
   std::string verdict;
 
   [[nodiscard]] bool linear() const { return !gravity && vehicle.empty(); }
-  [[nodiscard]] Eigen::Index outputs() const;  ///< ny of all sensors
+  [[nodiscard]] Eigen::Index outputs() const;  ///< sum of ny over all sensors
 };
 
-/// θ at the parameters' starts.
+/// θ with every parameter at its start.
 [[nodiscard]] Eigen::VectorXd start_of(const FilterModel& model);
 
-/// Index of the parameter of that name.
+/// Index of the parameter with that name.
 /// @throws InvalidInput  "where: no parameter 'Q.vy', expected one of …"
 [[nodiscard]] int parameter_index(const FilterModel& model, const std::string& name,
                                   const std::string& where);
 
-/// Checks names, shapes, ranges, and that every parameter is used and every covariance is one at
-/// the start.
-/// @throws InvalidInput  naming the matrix or the parameter, what came and what was expected.
+/// Checks names, shapes and ranges, that every parameter is used, and that every covariance is
+/// symmetric and positive semidefinite at the starts.
+/// @throws InvalidInput  naming the matrix or the parameter, its value and the expected one
 void validate(const FilterModel& model, const std::string& where);
 
 }  // namespace quadtune

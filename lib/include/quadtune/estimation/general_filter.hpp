@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An error-state extended Kalman filter for every suite of sensors: gyroscope and accelerometer
-/// drive it; optical flow, range, barometer, magnetometer, GPS and vision correct it, each at the
-/// time at which it was measured. Theory: "The general filter".
+/// An error-state extended Kalman filter for arbitrary sensor suites. A gyroscope and an
+/// accelerometer drive the prediction; optical flow, range, barometer, magnetometer, GPS and vision
+/// correct it, each at the time of its measurement. Theory: "The general filter".
 #pragma once
 
 #include "quadtune/estimation/general_filter_sensors.hpp"
 
 namespace quadtune {
 
-/// Standard deviations of an estimate's errors.
+/// Standard deviations of the errors of an estimate.
 template <class T>
 struct Deviations {
   Vector3<T> position = Vector3<T>::Zero();  ///< world [m]
@@ -18,13 +18,13 @@ struct Deviations {
 
 namespace general_filter_internal {
 
-/// The motion now: from the horizon through the readings that have come since, the last part with
-/// the newest readings held.
+/// Predicts the present motion from that of the horizon with the inertial readings since then. Over
+/// the lag of each sensor its newest reading is held.
 template <class T>
 [[nodiscard]] Motion9<T> motion_now(const GeneralFilterSettings& settings,
                                     const GeneralFilterState<T>& state, int horizon) {
   if (horizon == 0) return state.motion;
-  // The integral of the interpolated readings, as a mean over the time.
+  // Mean over the time since the horizon of the interpolated readings.
   const auto mean = [&](double lag, auto member) {
     const double time = horizon * settings.dt;
     const double held = std::min(lag, time) / time;
@@ -48,7 +48,8 @@ template <class T>
   return motion;
 }
 
-/// Writes the 12 states of a motion.
+/// Converts a motion to the 12 states of ned_convention().
+/// @param yaw  previous yaw, not wrapped [rad]; receives the new yaw
 template <class T>
 void write_states(const Motion9<T>& motion, const Vector3<T>& rates, T& yaw, StateVector<T>& x) {
   using on_board_math::nearest;
@@ -58,7 +59,7 @@ void write_states(const Motion9<T>& motion, const Vector3<T>& rates, T& yaw, Sta
   x(kAttitude) = atan2(R(2, 1), R(2, 2));
   x(kAttitude + 1) = atan2(T(-R(2, 0)), T(sqrt(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0))));
   const T turned = atan2(R(1, 0), R(0, 0));
-  // In the turn nearest to the yaw before.
+  // Choose the turn that is nearest to the previous yaw.
   yaw =
       turned + T(2 * std::numbers::pi) * nearest(T((yaw - turned) * T(0.5 * std::numbers::inv_pi)));
   x(kAttitude + 2) = yaw;
@@ -66,10 +67,11 @@ void write_states(const Motion9<T>& motion, const Vector3<T>& rates, T& yaw, Sta
   x.template segment<3>(kRates) = rates;
 }
 
-/// What the inertial sensors measured in this period.
+/// Inertial measurements of this period.
 template <class T>
 struct InertialSamples {
-  Vector3<T> rates, force;  ///< scale factors undone; one that did not come is that before
+  /// scale factors divided out; a missing sample repeats the previous one
+  Vector3<T> rates, force;
   MaskOf<T> rates_fresh, force_fresh;
 };
 
@@ -77,9 +79,10 @@ struct InertialSamples {
 template <class T>
 InertialSamples<T> take_readings(const GeneralFilterSettings& settings,
                                  GeneralFilterState<T>& state, const SensorFrame<T>& frame) {
-  const MaskOf<T> rates_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> rates_fresh =
+      logical_and(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
   const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+      logical_and(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
   const InertialReading<T> before = state.readings[0];
   InertialReading<T>& newest = state.readings.advance();
   for (int i = 0; i < 3; ++i) {
@@ -92,7 +95,7 @@ InertialSamples<T> take_readings(const GeneralFilterSettings& settings,
   return {newest.rates, newest.force, rates_fresh, force_fresh};
 }
 
-/// Moves the horizon by one period, where the vehicle does not stand.
+/// Predicts the horizon's state over one period unless the vehicle is on the ground.
 template <class T>
 void predict_horizon(const Period<T>& period, const MaskOf<T>& standing) {
   const GeneralFilterSettings& settings = period.settings;
@@ -126,19 +129,20 @@ void predict_horizon(const Period<T>& period, const MaskOf<T>& standing) {
   for (Rejections<T>& rejections : state.rejections) rejections.time += dt;
 }
 
-/// Corrects by every sample that the horizon has reached or passed.
+/// Corrects by every sample whose time the horizon has reached or passed.
 template <class T>
 void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
   const GeneralFilterSettings& settings = period.settings;
   GeneralFilterState<T>& state = period.state;
   const auto vector = [&](auto& queue, const auto& sample, double lag) {
     using Value = std::decay_t<decltype(sample.value)>;
-    return pass<Value, T>(queue, sample, both(sample.fresh, entries_are_finite<T>(sample.value)),
-                          lag, settings.dt, period.horizon);
+    return pass<Value, T>(queue, sample,
+                          logical_and(sample.fresh, entries_are_finite<T>(sample.value)), lag,
+                          settings.dt, period.horizon);
   };
   const auto scalar = [&](auto& queue, const Sample<T, T>& sample, double lag) {
-    return pass<T, T>(queue, sample, both(sample.fresh, is_finite(sample.value)), lag, settings.dt,
-                      period.horizon);
+    return pass<T, T>(queue, sample, logical_and(sample.fresh, is_finite(sample.value)), lag,
+                      settings.dt, period.horizon);
   };
   if (settings.gps_position)
     use_vector<kP>(period, *settings.gps_position,
@@ -161,12 +165,12 @@ void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
 
 }  // namespace general_filter_internal
 
-/// One control period: the prediction of the horizon by one period, the correction by every sample
-/// that the horizon has reached or passed, and from there the estimate of the present.
+/// Processes one control period: predicts the horizon's state by one period, corrects it by every
+/// sample whose time the horizon has reached or passed, and predicts the present estimate from it.
 ///
 /// Samples that are not finite count as not fresh.
-/// @param standing  where true the vehicle stands on the ground: it does not move, and its biases
-///                  and its level are found
+/// @param standing  whether the vehicle stands on the ground: it does not move, and its biases and
+///                  its tilt are estimated
 template <class T>
 Estimate<T> step(const GeneralFilterSettings& settings, GeneralFilterState<T>& state,
                  const SensorFrame<T>& frame, const MaskOf<T>& standing) {
@@ -201,8 +205,8 @@ Estimate<T> step(const GeneralFilterSettings& settings, GeneralFilterState<T>& s
   return estimate;
 }
 
-/// Standard deviations of the newest estimate's position, velocity and attitude: those of the
-/// horizon's, grown by what is unknown since.
+/// Standard deviations of the newest estimate's position, velocity and attitude: those at the
+/// horizon, increased by the unknown motion since then.
 template <class T>
 [[nodiscard]] Deviations<T> deviations(const GeneralFilterSettings& settings,
                                        const GeneralFilterState<T>& state) {
@@ -226,13 +230,13 @@ template <class T>
     }
   }
   Deviations<T> result;
-  const auto root = [](const T& variance) { return T(sqrt(greater(variance, T(0)))); };
+  const auto root = [](const T& variance) { return T(sqrt(max_of(variance, T(0)))); };
   for (int i = 0; i < 3; ++i) {
     result.position(i) = root(P(kErrorPosition + i, kErrorPosition + i));
     result.velocity(i) = root(P(kErrorVelocity + i, kErrorVelocity + i));
   }
-  // Of roll, pitch and yaw by a small turn about the world's axes.
-  const T cp2 = greater(T(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0)), T(kLeastCosPitch));
+  // Converts a small rotation about the world axes to roll, pitch and yaw.
+  const T cp2 = max_of(T(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0)), T(kMinCosPitch));
   Matrix3<T> J = Matrix3<T>::Zero();
   J(0, 0) = R(0, 0) / cp2;
   J(0, 1) = R(1, 0) / cp2;

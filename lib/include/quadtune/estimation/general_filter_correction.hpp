@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The general filter's correction by one scalar measurement, taken now or earlier. Theory: "The
-/// general filter".
+/// The general filter's correction by one scalar measurement, taken at the horizon or earlier.
+/// Theory: "The general filter".
 #pragma once
 
 #include "quadtune/estimation/general_filter_prediction.hpp"
@@ -8,7 +8,7 @@
 
 namespace quadtune::general_filter_internal {
 
-/// Groups of the errors, as bits.
+/// Groups of error states, as bits.
 enum Group : unsigned {
   kP = 1,
   kV = 2,
@@ -17,10 +17,11 @@ enum Group : unsigned {
   kForce = 16,
   kPressure = 32,
 };
-/// All that a measurement from the past may depend on.
+/// All groups on which a measurement before the horizon may depend.
 inline constexpr unsigned kAll = 63;
 
-/// The derivative of a scalar measurement by the errors. Groups that are not used are 0.
+/// Derivative of a scalar measurement with respect to the error states. Groups that are not used
+/// are 0.
 template <class T>
 struct Row {
   Vector3<T> position = Vector3<T>::Zero();
@@ -31,7 +32,7 @@ struct Row {
   T pressure = T(0);
 };
 
-/// The motion at an earlier time and how its errors follow from those of the horizon:
+/// The motion at an earlier time, and its errors as functions of the errors at the horizon:
 /// turn_i = turn + G gyro, velocity_i = velocity + U × turn + A gyro + G force,
 /// position_i = position - S velocity - W × turn + D gyro + E force.
 template <class T>
@@ -48,8 +49,8 @@ struct Past {
   Matrix3<T> E = Matrix3<T>::Zero();
 };
 
-/// Runs the motion backward through the stored readings, with the biases of now.
-/// @param ago  how long before the horizon [s], ≥ 0; negative counts as 0
+/// Integrates the motion backward through the stored readings, with the present bias estimates.
+/// @param ago  time before the horizon [s], ≥ 0; negative values count as 0
 template <class T>
 [[nodiscard, gnu::noinline]] Past<T> past_motion(const GeneralFilterSettings& settings,
                                                  const GeneralFilterState<T>& state,
@@ -61,13 +62,14 @@ template <class T>
   past.rates = rates_at(state, gyro, 0);
   past.past = ago > T(0);
   if (!any(past.past)) return past;
-  T left = greater(ago, T(0));
-  for (int j = 0; j < kMostHistoryPeriods && any(left > T(0)); ++j) {
-    const bool last = j + 1 == kMostHistoryPeriods;
-    const T h = last ? left : lesser(left, dt);
+  T left = max_of(ago, T(0));
+  for (int j = 0; j < kMaxHistoryPeriods && any(left > T(0)); ++j) {
+    const bool last = j + 1 == kMaxHistoryPeriods;
+    const T h = last ? left : min_of(left, dt);
     left = left - h;
     const Inputs<T> in = inputs_at(state, gyro, force, j);
-    // The inverse of move(): back by half the turn, then by what it gained, then by the rest.
+    // Inverse of move(): first undo half of the turn, then the velocity change, then the other
+    // half.
     const Eigen::Matrix<T, 4, 1> half = small_rotation<T>(in.rates * (T(-0.5) * h));
     const Eigen::Matrix<T, 4, 1> middle = product(past.motion.attitude, half);
     const Matrix3<T> R = rotation(middle);
@@ -88,13 +90,14 @@ template <class T>
     const Vector3<T> begin = rates_at(state, gyro, j + 1);
     const T share = h / dt;
     const Vector3<T> end = rates_at(state, gyro, j);
-    past.rates = select_entries<T>(h > T(0), Vector3<T>(end + (begin - end) * lesser(share, T(1))),
+    past.rates = select_entries<T>(h > T(0), Vector3<T>(end + (begin - end) * min_of(share, T(1))),
                                    past.rates);
   }
   return past;
 }
 
-/// The row of a measurement at that time, as a row of the horizon's errors.
+/// Transforms the row of a measurement at the earlier time into a row for the errors at the
+/// horizon.
 template <class T>
 void carry(const Past<T>& past, Row<T>& row) {
   const Vector3<T> p = row.position, v = row.velocity, turn = row.turn;
@@ -141,16 +144,16 @@ template <unsigned groups, class T>
   return sum;
 }
 
-/// Corrections that one sensor's scalars add up before they are applied.
+/// Accumulates the corrections by the scalars of one sensor before they are applied.
 template <class T>
 struct Correction {
   std::array<T, kErrorStates> errors{};
   MaskOf<T> any_used{};
 };
 
-/// P ← (I - K c) P (I - K c)ᵀ + K R Kᵀ for the row c, w = P c, S = c w + R: multiplied out,
-/// P - K wᵀ - w Kᵀ + S K Kᵀ, which is symmetric by construction and has Joseph's property that an
-/// error of K enters in second order only.
+/// P ← (I - K c) P (I - K c)ᵀ + K R Kᵀ for the row c, w = P c, S = c w + R, expanded to P - K wᵀ -
+/// w Kᵀ + S K Kᵀ. The result is symmetric by construction and, as in Joseph's form, an error of K
+/// has only a second-order effect.
 template <class T>
 [[gnu::noinline]] void joseph(SymmetricMatrix<T, kErrorStates>& P,
                               const std::array<T, kErrorStates>& K,
@@ -162,15 +165,16 @@ template <class T>
   }
 }
 
-/// One scalar measurement.
+/// Corrects by one scalar measurement.
 ///
-/// It is rejected if e²/S exceeds the gate, e less what the scalars of the same sensor have
-/// corrected before. After recovery_time of rejections the variances of the group `doubted` are
-/// raised until e²/S = 1: the state was wrong by more than P says.
-/// @tparam groups   that the row uses
-/// @param e        measurement less prediction, both before any of the sensor's corrections
+/// The measurement is rejected if e²/S exceeds the gate, where e accounts for the corrections that
+/// the previous scalars of the same sensor made. After recovery_time of rejections the variances of
+/// the error group `doubted` are increased until e²/S = 1, since the state was less accurate than P
+/// stated.
+/// @tparam groups   error groups that the row uses
+/// @param e        measurement minus prediction, both before any correction by this sensor
 /// @param R        variance, > 0
-/// @param doubted  first of the three errors whose variance is raised
+/// @param doubted  first of the three error states whose variance is increased
 template <unsigned groups, class T>
 [[gnu::noinline]] void correct(const GeneralFilterSettings& settings, GeneralFilterState<T>& state,
                                const Row<T>& row, const T& innovation, const T& R,
@@ -182,13 +186,14 @@ template <unsigned groups, class T>
   std::array<T, kErrorStates> w = times_row<groups>(state.P, row);
   T S = dot_row<groups>(w, row) + R;
   const T square = e * e;
-  const MaskOf<T> sound = both(both(fresh, is_finite(square)), S > T(0));
+  const MaskOf<T> sound = logical_and(logical_and(fresh, is_finite(square)), S > T(0));
   const MaskOf<T> near = square <= T(settings.gate) * S;
-  const MaskOf<T> doubtful = both(sound, negated(near));
-  const MaskOf<T> again =
-      both(doubtful, both(rejections.time >= T(settings.recovery_time), rejections.count >= T(3)));
+  const MaskOf<T> doubtful = logical_and(sound, logical_not(near));
+  const MaskOf<T> again = logical_and(
+      doubtful,
+      logical_and(rejections.time >= T(settings.recovery_time), rejections.count >= T(3)));
   rejections.count += select(doubtful, T(1), T(0));
-  const MaskOf<T> believed = either(both(sound, near), again);
+  const MaskOf<T> believed = logical_or(logical_and(sound, near), again);
   if (!any(believed)) return;
   rejections.count = select(believed, T(0), rejections.count);
   rejections.time = select(believed, T(0), rejections.time);
@@ -197,7 +202,7 @@ template <unsigned groups, class T>
                           : doubted == kErrorVelocity ? row.velocity
                                                       : row.turn;
     const T size = c.squaredNorm();
-    const T added = select(both(again, size > T(0)), (square - S) / size, T(0));
+    const T added = select(logical_and(again, size > T(0)), (square - S) / size, T(0));
     for (int i = 0; i < kErrorStates; ++i)
       if (i >= doubted && i < doubted + 3) state.P(i, i) += added;
     w = times_row<groups>(state.P, row);
@@ -205,8 +210,8 @@ template <unsigned groups, class T>
   }
   seen.innovation_square += select(believed, square / S, T(0));
   seen.innovation_freedom += select(believed, T(1), T(0));
-  used = either(used, believed);
-  correction.any_used = either(correction.any_used, believed);
+  used = logical_or(used, believed);
+  correction.any_used = logical_or(correction.any_used, believed);
 
   const T inverse = T(1) / S;
   std::array<T, kErrorStates> K;
@@ -225,7 +230,7 @@ template <unsigned groups, class T>
         select(believed, T(correction.errors[i] + K[i] * e), correction.errors[i]);
 }
 
-/// The covariance about a velocity that has changed: velocity gains turn × change, P ← E P Eᵀ.
+/// Adapts the covariance to a changed velocity: velocity gains turn × change, P ← E P Eᵀ.
 template <class T>
 [[gnu::noinline]] void turn_with_velocity(SymmetricMatrix<T, kErrorStates>& P,
                                           const Vector3<T>& change) {
@@ -236,12 +241,12 @@ template <class T>
   add_rows<kErrorVelocity, kErrorTurn>(P, cross);
 }
 
-/// Adds the corrections to the state; lanes without one keep their bits.
+/// Adds the corrections to the state. Lanes without a correction keep their values bit for bit.
 ///
-/// A turn about the vertical takes the velocity with it: without a sensor of the heading, the error
-/// (turn e_z, velocity e_z × v) cannot be observed. The prediction and all rows keep that direction
-/// along one motion, but the correction changes v. Were P left as it is, the filter would learn the
-/// yaw and the bias of the vertical gyroscope from noise.
+/// A turn about the vertical also rotates the velocity: without a heading sensor the error
+/// direction (turn e_z, velocity e_z × v) is unobservable. The prediction and all rows preserve
+/// this direction along one motion, but the correction changes v. If P were not adapted, the filter
+/// would infer the yaw and the vertical gyroscope bias from noise.
 template <class T>
 void apply(const Correction<T>& correction, GeneralFilterState<T>& state) {
   if (!any(correction.any_used)) return;
@@ -267,7 +272,7 @@ void apply(const Correction<T>& correction, GeneralFilterState<T>& state) {
   add(state.force_bias, kErrorForceBias);
   state.pressure_height =
       select(used, T(state.pressure_height + dx[kErrorPressureHeight]), state.pressure_height);
-  // The turn about the world's axes comes first: q ← δq ⊗ q.
+  // The rotation is applied about the world axes: q ← δq ⊗ q.
   const Eigen::Matrix<T, 4, 1> turn = {T(1), T(0.5) * dx[kErrorTurn], T(0.5) * dx[kErrorTurn + 1],
                                        T(0.5) * dx[kErrorTurn + 2]};
   Eigen::Matrix<T, 4, 1> q = product(turn, state.motion.attitude);

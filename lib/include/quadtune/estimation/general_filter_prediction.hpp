@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The general filter's prediction: the motion by the inertial sensors, forward and backward in
-/// time, and the covariance of its errors. Theory: "The general filter".
+/// Prediction of the general filter: the motion driven by the inertial sensors, forward and
+/// backward in time, and the covariance of its errors. Theory: "The general filter".
 #pragma once
 
 #include "quadtune/estimation/general_filter_state.hpp"
 
 namespace quadtune::general_filter_internal {
 
-/// Position of the horizon between the stored readings of one inertial sensor: at the time of the
-/// horizon it read (1 - part) · readings[whole] + part · readings[whole + 1].
+/// Position of the horizon between the stored readings of one inertial sensor. The reading at the
+/// time of the horizon is (1 - part) · readings[whole] + part · readings[whole + 1].
 struct ReadingPlace {
   int whole = 0;
   double part = 0;
@@ -19,15 +19,16 @@ struct ReadingPlace {
   return {static_cast<int>(whole), std::max(0.0, place - whole) < 1e-9 ? 0 : place - whole};
 }
 
-/// What drives the motion over one control period, biases subtracted.
+/// Inputs of the motion over one control period, biases subtracted.
 template <class T>
 struct Inputs {
   Vector3<T> rates;  ///< mean [rad/s]
   Vector3<T> force;  ///< mean [m/s²]
 };
 
-/// The three places of the readings that make the mean over the period that ended `age` periods
-/// before the horizon: (1 - part)/2, 1/2, part/2, the trapezoid of a linear interpolation.
+/// Mean inputs over the period that ended `age` periods before the horizon: three consecutive
+/// readings with the weights (1 - part)/2, 1/2, part/2, the trapezoidal rule of a linear
+/// interpolation.
 template <class T>
 [[nodiscard]] inline Inputs<T> inputs_at(const GeneralFilterState<T>& state,
                                          const ReadingPlace& gyro, const ReadingPlace& force,
@@ -43,7 +44,7 @@ template <class T>
           mean(force, &InertialReading<T>::force) - state.force_bias};
 }
 
-/// The reading of the gyroscope `age` periods before the horizon, less its bias, interpolated.
+/// Gyroscope reading `age` periods before the horizon, interpolated, bias subtracted.
 template <class T>
 [[nodiscard]] inline Vector3<T> rates_at(const GeneralFilterState<T>& state,
                                          const ReadingPlace& gyro, int age) {
@@ -53,7 +54,7 @@ template <class T>
   return rates;
 }
 
-/// The quaternion of a small rotation vector, to its fourth power.
+/// Quaternion of a small rotation vector, accurate to its fourth power.
 template <class T>
 [[nodiscard]] inline Eigen::Matrix<T, 4, 1> small_rotation(const Vector3<T>& turn) {
   const T square = turn.squaredNorm();
@@ -62,7 +63,7 @@ template <class T>
           s * turn(2)};
 }
 
-/// a ⊗ b
+/// Quaternion product a ⊗ b.
 template <class T>
 [[nodiscard]] inline Eigen::Matrix<T, 4, 1> product(const Eigen::Matrix<T, 4, 1>& a,
                                                     const Eigen::Matrix<T, 4, 1>& b) {
@@ -77,8 +78,8 @@ template <class T>
   return rotation_of_quaternion(q(0), q(1), q(2), q(3));
 }
 
-/// The motion over a time h [s] under constant inputs. Gravity and force act half way through the
-/// turn.
+/// Advances the motion by a time h [s] under constant inputs. Gravity and force act in the middle
+/// of the turn.
 template <class T>
 inline void move(Motion9<T>& motion, const Vector3<T>& turn, const Vector3<T>& force,
                  const T& gravity, const T& h) {
@@ -91,14 +92,14 @@ inline void move(Motion9<T>& motion, const Vector3<T>& turn, const Vector3<T>& f
   motion.attitude = product(middle, half);
 }
 
-/// One Newton step for 1/|q|.
+/// Normalizes q by one Newton step for 1/|q|.
 template <class T>
 inline void restore_norm(Eigen::Matrix<T, 4, 1>& q) {
   q *= T(1.5) - T(0.5) * q.squaredNorm();
 }
 
-/// P ← E P Eᵀ for E that adds rows: target += Σ blocks[b] · sources[b], 3 × 3 blocks whose rows
-/// begin at these indices, all different.
+/// P ← E P Eᵀ for an E that adds rows: target += Σ blocks[b] · sources[b]. The blocks are 3 × 3;
+/// the template arguments are the first rows of target and sources, all different.
 template <int target, int... sources, class T, class... Blocks>
 [[gnu::always_inline]] inline void add_rows(SymmetricMatrix<T, kErrorStates>& P,
                                             const Blocks&... blocks) {
@@ -117,7 +118,7 @@ template <int target, int... sources, class T, class... Blocks>
   });
   unrolled<kErrorStates>([&](int j) __attribute__((always_inline)) {
     if (j >= target && j < target + 3) return;
-    // Sums before the first entry changes: the sources' columns are among the target's own.
+    // Compute the sums before changing any entry: the sources' columns include those of the target.
     std::array<T, 3> sum = {P(target, j), P(target + 1, j), P(target + 2, j)};
     unrolled<3>([&](int i) __attribute__((always_inline)) {
       unrolled<3>([&](int k) __attribute__((always_inline)) {
@@ -140,7 +141,7 @@ template <int target, int... sources, class T, class... Blocks>
   });
 }
 
-/// position += h · velocity.
+/// Covariance of position += h · velocity.
 template <class T>
 [[gnu::always_inline]] inline void add_velocity(SymmetricMatrix<T, kErrorStates>& P, const T& h) {
   constexpr int p = kErrorPosition, v = kErrorVelocity;
@@ -156,9 +157,9 @@ template <class T>
   });
 }
 
-/// The covariance over a time h: position, velocity and turn gain h velocity, -[a]× h turn - R h
-/// force_bias and -R h gyro_bias.
-/// @param R_WB   half way
+/// Propagates the covariance over a time h: position gains h velocity, velocity gains -[a]× h turn
+/// - R h force_bias, and turn gains -R h gyro_bias.
+/// @param R_WB    in the middle of the period
 /// @param gained  R_WB force h, without gravity [m/s]
 template <class T>
 [[gnu::noinline]] void spread(SymmetricMatrix<T, kErrorStates>& P, const Matrix3<T>& R_WB,
@@ -173,7 +174,7 @@ template <class T>
   add_rows<kErrorTurn, kErrorGyroBias>(P, minus_R);
 }
 
-/// P += R_WB diag(density²) R_WBᵀ h for the three errors from `first` on.
+/// P += R_WB diag(density²) R_WBᵀ h for the three errors that begin at `first`.
 template <class T>
 inline void add_body_noise(SymmetricMatrix<T, kErrorStates>& P, int first, const Matrix3<T>& R_WB,
                            const Eigen::Vector3d& density, double h) {
@@ -183,7 +184,7 @@ inline void add_body_noise(SymmetricMatrix<T, kErrorStates>& P, int first, const
         P(first + i, first + j) += R_WB(i, k) * R_WB(j, k) * T(density(k) * density(k) * h);
 }
 
-/// Variances that a time of h adds while the vehicle moves.
+/// Adds the process noise of a time h in motion.
 template <class T>
 inline void add_noise(const GeneralFilterSettings& settings, SymmetricMatrix<T, kErrorStates>& P,
                       const Matrix3<T>& R_WB, double h) {
@@ -191,7 +192,7 @@ inline void add_noise(const GeneralFilterSettings& settings, SymmetricMatrix<T, 
   add_body_noise(P, kErrorTurn, R_WB, settings.gyroscope.density, h);
 }
 
-/// Variances that a time of h adds to the offsets.
+/// Adds the random walks of the biases over a time h.
 template <class T>
 inline void add_walks(const GeneralFilterSettings& settings, SymmetricMatrix<T, kErrorStates>& P,
                       double h) {

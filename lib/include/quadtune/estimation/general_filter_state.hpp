@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the general filter keeps from one period to the next.
+/// State of the general filter between control periods.
 #pragma once
 
 #include <array>
@@ -11,9 +11,8 @@
 
 namespace quadtune {
 
-/// The errors of the filter: position and velocity in the world, a small turn about the world's
-/// axes, the biases of gyroscope and accelerometer in the body, the offset of the barometer's
-/// height.
+/// Indices of the error states: position and velocity in world axes, a small rotation about the
+/// world axes, gyroscope and accelerometer biases in body axes, offset of the barometer's height.
 inline constexpr int kErrorPosition = 0;
 inline constexpr int kErrorVelocity = 3;
 inline constexpr int kErrorTurn = 6;
@@ -22,7 +21,7 @@ inline constexpr int kErrorForceBias = 12;
 inline constexpr int kErrorPressureHeight = 15;
 inline constexpr int kErrorStates = 16;
 
-/// A symmetric matrix of which the lower triangle is stored, row by row.
+/// A symmetric matrix, of which only the lower triangle is stored, row by row.
 template <class T, int n>
 struct SymmetricMatrix {
   std::array<T, static_cast<std::size_t>(n*(n + 1) / 2)> entries{};
@@ -34,7 +33,7 @@ struct SymmetricMatrix {
   const T& operator()(int i, int j) const { return entries[place(i, j)]; }
 };
 
-/// The newest values, newest first, in a ring that is not moved in memory.
+/// The n newest values, newest first, in a ring buffer.
 template <class Value, int n>
 struct History {
   std::array<Value, static_cast<std::size_t>(n)> values{};
@@ -43,7 +42,8 @@ struct History {
   /// @param age  in control periods, 0 ≤ age < n
   [[nodiscard]] const Value& operator[](int age) const { return values[place(age)]; }
   Value& operator[](int age) { return values[place(age)]; }
-  /// The place of the newest value, whose oldest content is to be replaced.
+  /// Advances the ring and returns the slot of the newest value; the caller overwrites its old
+  /// content.
   Value& advance() {
     newest = newest == 0 ? n - 1 : newest - 1;
     return values[static_cast<std::size_t>(newest)];
@@ -57,22 +57,22 @@ struct History {
   }
 };
 
-/// Readings of gyroscope and accelerometer in one control period, scale factors undone.
+/// Gyroscope and accelerometer readings of one control period, scale factors divided out.
 template <class T>
 struct InertialReading {
-  Vector3<T> rates = Vector3<T>::Zero();  ///< with the bias [rad/s]
-  Vector3<T> force = Vector3<T>::Zero();  ///< with the bias [m/s²]
+  Vector3<T> rates = Vector3<T>::Zero();  ///< bias included [rad/s]
+  Vector3<T> force = Vector3<T>::Zero();  ///< bias included [m/s²]
 };
 
-/// A sample that waits until the state has come to its time.
+/// A sample that waits until the horizon reaches its time.
 template <class Value, class T>
 struct Waiting {
   Value value{};
-  T age = T(0);      ///< when it arrived [s]
-  MaskOf<T> came{};  ///< whether one arrived in that period
+  T age = T(0);      ///< age at its arrival [s]
+  MaskOf<T> came{};  ///< whether a sample arrived in that period
 };
 
-/// The scalar measurements in the order in which their rejections are counted.
+/// The scalar measurements, in the order of GeneralFilterState::rejections.
 enum class Scalar {
   flow = 0,
   range = 2,
@@ -84,11 +84,11 @@ enum class Scalar {
 };
 inline constexpr std::size_t kScalars = 14;
 
-/// How long a scalar measurement has not been believed.
+/// Rejections of a scalar measurement since it was last accepted.
 template <class T>
 struct Rejections {
-  T time = T(0);   ///< since one was believed [s]
-  T count = T(0);  ///< rejected in a row
+  T time = T(0);   ///< since the last accepted one [s]
+  T count = T(0);  ///< number of consecutive rejections
 };
 
 /// Position, velocity and attitude at one time.
@@ -99,21 +99,21 @@ struct Motion9 {
   Eigen::Matrix<T, 4, 1> attitude = Eigen::Matrix<T, 4, 1>::UnitX();  ///< (w, x, y, z) of R_WB
 };
 
-/// What is kept from one period to the next. A copy of it resumes identically.
+/// Filter state between control periods. A copy resumes identically.
 ///
-/// The motion and its covariance are of the horizon, horizon_periods() before the newest period.
+/// The motion and its covariance refer to the horizon, horizon_periods() before the newest period.
 template <class T>
 struct GeneralFilterState {
   Motion9<T> motion;
   Vector3<T> gyro_bias = Vector3<T>::Zero();   ///< [rad/s]
   Vector3<T> force_bias = Vector3<T>::Zero();  ///< of the accelerometer [m/s²]
   T pressure_height = T(0);                    ///< offset of the barometer's height [m]
-  SymmetricMatrix<T, kErrorStates> P;          ///< of the errors, in their order
-  T yaw = T(0);                                ///< last estimate, unwrapped [rad]
+  SymmetricMatrix<T, kErrorStates> P;          ///< covariance of the errors, in their order
+  T yaw = T(0);                                ///< last estimate, not wrapped [rad]
 
-  History<InertialReading<T>, kMostHistoryPeriods + kMostHorizonPeriods + 4> readings;
+  History<InertialReading<T>, kMaxHistoryPeriods + kMaxHorizonPeriods + 4> readings;
   template <class Value>
-  using Queue = History<Waiting<Value, T>, kMostHorizonPeriods + 2>;
+  using Queue = History<Waiting<Value, T>, kMaxHorizonPeriods + 2>;
   Queue<Eigen::Matrix<T, 2, 1>> flow;
   Queue<T> range;
   Queue<T> pressure;
@@ -124,7 +124,7 @@ struct GeneralFilterState {
   std::array<Rejections<T>, kScalars> rejections{};
 };
 
-/// The state of a filter that is told where it is, with the deviations settings.start.
+/// Initial state for a known motion, with the standard deviations settings.start.
 /// @param x  the 12 states of ned_convention()
 template <class T>
 [[nodiscard]] GeneralFilterState<T> general_filter_start(const GeneralFilterSettings& settings,
@@ -157,7 +157,8 @@ template <class T>
   return state;
 }
 
-/// Offsets that were found before the flight: the filter subtracts them from its first period on.
+/// Sets biases that were estimated before the flight; the filter subtracts them from the first
+/// period on.
 template <class T>
 void set_biases(GeneralFilterState<T>& state, const Vector3<T>& gyro_bias,
                 const Vector3<T>& force_bias) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A model of inertial navigation aided by position, velocity or height: an error-state Kalman
-/// filter driven by a gyroscope and an accelerometer. Theory: "Covariances from logs", "Inertial
+/// Model of inertial navigation aided by position, velocity or height: an error-state Kalman filter
+/// driven by a gyroscope and an accelerometer. Theory: "Covariances from logs", "Inertial
 /// navigation".
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace quadtune {
 
-/// Where the states of an inertial model begin: the error of the attitude, a small turn about the
-/// world's axes [rad]; velocity and position in world axes; offsets of gyroscope and accelerometer
-/// in body axes.
+/// Indices of the first state of each group of an inertial model: attitude error, a small rotation
+/// about the world axes [rad]; velocity and position in world axes; gyroscope and accelerometer
+/// biases in body axes.
 inline constexpr int kInertialAttitude = 0;
 inline constexpr int kInertialVelocity = 3;
 inline constexpr int kInertialPosition = 6;
@@ -20,9 +20,10 @@ inline constexpr int kGyroOffset = 9;
 inline constexpr int kForceOffset = 12;
 inline constexpr int kInertialStates = 15;
 
-/// A model with states, inputs and noises of inertial navigation, and no sensors or covariances
-/// yet: Ṙ = R [ω - b_ω - w_ω], v̇ = R (f - b_f - w_f) + gravity, ṗ = v, and the offsets wander.
-/// @param gravity  in world axes [m/s²]: (0, 0, -9.81) where z points up
+/// Model with the states, inputs and noises of inertial navigation, without sensors and
+/// covariances: Ṙ = R [ω - b_ω - w_ω], v̇ = R (f - b_f - w_f) + gravity, ṗ = v; the biases are
+/// random walks.
+/// @param gravity  in world axes [m/s²]: (0, 0, -9.81) if z points up
 [[nodiscard]] FilterModel inertial_model(const Eigen::Vector3d& gravity);
 
 }  // namespace quadtune

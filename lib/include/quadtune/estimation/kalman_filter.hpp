@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The Kalman filter as it runs on board: small, of fixed size, without allocation, one template
-/// over the scalar. Theory: "Estimators on board".
+/// Kalman filter for flight code: small, fixed size, without allocation, a template over the scalar
+/// type. Theory: "Estimators on board".
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace quadtune {
 
-/// x[k+1] = F x[k] + G u[k] + w,  w of covariance Q.
+/// x[k+1] = F x[k] + G u[k] + w, w with covariance Q.
 template <class T, int nx, int nu>
 struct KalmanModel {
   Eigen::Matrix<T, nx, nx> F = Eigen::Matrix<T, nx, nx>::Identity();
@@ -21,34 +21,35 @@ struct KalmanModel {
   Eigen::Matrix<T, nx, nx> Q = Eigen::Matrix<T, nx, nx>::Zero();  ///< symmetric, ≥ 0, per step
 };
 
-/// What is kept from one step to the next. A copy of it resumes identically.
+/// Filter state between steps. A copy resumes identically.
 template <class T, int nx>
 struct KalmanState {
   Eigen::Matrix<T, nx, 1> x = Eigen::Matrix<T, nx, 1>::Zero();
-  Eigen::Matrix<T, nx, nx> P = Eigen::Matrix<T, nx, nx>::Zero();  ///< of the error of x; symmetric
+  /// covariance of the error of x; symmetric
+  Eigen::Matrix<T, nx, nx> P = Eigen::Matrix<T, nx, nx>::Zero();
 };
 
-/// What became of one measurement.
+/// Result of one measurement update.
 template <class T>
 struct KalmanUpdate {
-  MaskOf<T> used{};            ///< false: state and covariance are as they were
-  T innovation_square = T(0);  ///< eᵀ S⁻¹ e, of refused measurements too; 0 where nothing came
+  MaskOf<T> used{};            ///< false: state and covariance are unchanged
+  T innovation_square = T(0);  ///< eᵀ S⁻¹ e, also of rejected measurements; 0 without a measurement
 };
 
-/// A row of C of which all but a few entries are 0.
+/// A row of C with few nonzero entries.
 template <class T, int entries>
 struct SparseRow {
-  std::array<int, entries> column;  ///< different from each other
+  std::array<int, entries> column;  ///< column indices, all different
   std::array<T, entries> value;
 };
 
-/// No innovation is too large.
+/// Gate that rejects no innovation.
 template <class T>
 [[nodiscard]] T no_gate() {
   return T(std::numeric_limits<double>::infinity());
 }
 
-/// a where the mask is true, else b, entry by entry.
+/// a where the mask is true and b elsewhere, entry by entry.
 template <class T, int rows, int cols>
 [[nodiscard]] Eigen::Matrix<T, rows, cols> select_entries(const MaskOf<T>& mask,
                                                           const Eigen::Matrix<T, rows, cols>& a,
@@ -62,11 +63,11 @@ template <class T, int rows, int cols>
 template <class T, int rows, int cols>
 [[nodiscard]] MaskOf<T> entries_are_finite(const Eigen::Matrix<T, rows, cols>& a) {
   MaskOf<T> finite = is_finite(a(0));
-  for (int i = 1; i < rows * cols; ++i) finite = both(finite, is_finite(a(i)));
+  for (int i = 1; i < rows * cols; ++i) finite = logical_and(finite, is_finite(a(i)));
   return finite;
 }
 
-/// P ← (P + Pᵀ)/2: rounding makes the halves differ, and the difference would grow.
+/// P ← (P + Pᵀ)/2. Rounding makes P asymmetric, and without this step the asymmetry would grow.
 template <class T, int nx>
 void symmetrize(Eigen::Matrix<T, nx, nx>& P) {
   for (int j = 0; j < nx; ++j)
@@ -88,13 +89,13 @@ void predict(const KalmanModel<T, nx, nu>& model, KalmanState<T, nx>& state,
   symmetrize(state.P);
 }
 
-/// One scalar measurement y = C x + v, v of variance R.
+/// Updates by one scalar measurement y = C x + v, v with variance R.
 ///
-/// Gain K = P Cᵀ (C P Cᵀ + R)⁻¹, covariance (I - K C) P (I - K C)ᵀ + K R Kᵀ (Joseph). A
-/// measurement that is not fresh, not finite, or whose eᵀ S⁻¹ e exceeds the gate leaves state and
-/// covariance as they were, to the bit; so does S ≤ 0, which no valid P and R give.
-/// @param R     variance, ≥ 0.
-/// @param gate  largest eᵀ S⁻¹ e believed: 10.8 refuses one good measurement in a thousand.
+/// Gain K = P Cᵀ (C P Cᵀ + R)⁻¹, covariance (I - K C) P (I - K C)ᵀ + K R Kᵀ (Joseph). State and
+/// covariance remain unchanged, bit for bit, if the measurement is not fresh or not finite, if its
+/// eᵀ S⁻¹ e exceeds the gate, or if S ≤ 0, which cannot occur with valid P and R.
+/// @param R     variance, ≥ 0
+/// @param gate  largest accepted eᵀ S⁻¹ e; 10.8 rejects one valid measurement in a thousand
 template <class T, int nx>
 KalmanUpdate<T> update(KalmanState<T, nx>& state,
                        const std::type_identity_t<Eigen::Matrix<T, 1, nx>>& C,
@@ -109,9 +110,9 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
     S += C(i) * PC(i);
     e -= C(i) * state.x(i);
   }
-  const MaskOf<T> measured = both(both(fresh, is_finite(e)), S > T(0));
+  const MaskOf<T> measured = logical_and(logical_and(fresh, is_finite(e)), S > T(0));
   result.innovation_square = select(measured, e * e / S, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Eigen::Matrix<T, nx, 1> K = PC / S;
@@ -127,8 +128,8 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
   return result;
 }
 
-/// Two measurements at once, y = C x + v, v of covariance R (2 × 2, symmetric, ≥ 0). Otherwise as
-/// for one; S must be positive definite.
+/// Updates by two simultaneous measurements, y = C x + v, v with covariance R (2 × 2, symmetric, ≥
+/// 0). Otherwise as for a scalar; S must be positive definite.
 template <class T, int nx>
 KalmanUpdate<T> update(KalmanState<T, nx>& state,
                        const std::type_identity_t<Eigen::Matrix<T, 2, nx>>& C,
@@ -144,12 +145,13 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
   Eigen::Matrix<T, 2, 2> S_inv;
   S_inv << S(1, 1) / determinant, -S(0, 1) / determinant,  //
       -S(1, 0) / determinant, S(0, 0) / determinant;
-  const MaskOf<T> measured = both(both(fresh, both(is_finite(e(0)), is_finite(e(1)))),
-                                  both(S(0, 0) > T(0), determinant > T(0)));
+  const MaskOf<T> measured =
+      logical_and(logical_and(fresh, logical_and(is_finite(e(0)), is_finite(e(1)))),
+                  logical_and(S(0, 0) > T(0), determinant > T(0)));
   const T square = e(0) * (S_inv(0, 0) * e(0) + S_inv(0, 1) * e(1)) +
                    e(1) * (S_inv(1, 0) * e(0) + S_inv(1, 1) * e(1));
   result.innovation_square = select(measured, square, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Eigen::Matrix<T, nx, 2> K = PC.lazyProduct(S_inv);
@@ -166,12 +168,12 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
   return result;
 }
 
-/// One scalar measurement of an extended filter: the innovation e is given, C is sparse. Joseph's
-/// form in two rank-one steps, 4 nx² operations (Bierman 1977, section V.5):
+/// Updates an extended filter by one scalar measurement, given its innovation e and a sparse C.
+/// Joseph's form in two rank-one steps with 4 nx² operations (Bierman 1977, section V.5):
 ///
 ///     M = (I - K C) P = P - K (P Cᵀ)ᵀ,   P ← M (I - K C)ᵀ + K R Kᵀ = M + (R K - M Cᵀ) Kᵀ
 ///
-/// P is not made symmetric here: the caller does so once a step by symmetrize().
+/// P is not made symmetric here; the caller calls symmetrize() once per step.
 template <class T, int nx, int entries>
 KalmanUpdate<T> update(KalmanState<T, nx>& state, const SparseRow<T, entries>& C,
                        const std::type_identity_t<T>& e, const std::type_identity_t<T>& R,
@@ -184,9 +186,9 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state, const SparseRow<T, entries>& C
   for (std::size_t k = 1; k < n; ++k) PC += state.P.col(C.column[k]) * C.value[k];
   T S = R;
   for (std::size_t k = 0; k < n; ++k) S += C.value[k] * PC(C.column[k]);
-  const MaskOf<T> measured = both(both(fresh, is_finite(e)), S > T(0));
+  const MaskOf<T> measured = logical_and(logical_and(fresh, is_finite(e)), S > T(0));
   result.innovation_square = select(measured, e * e / S, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Column K = PC / S;

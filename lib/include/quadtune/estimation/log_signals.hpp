@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The signals of a filter model from a log in which nobody named their channels.
+/// Reads the signals of a filter model from a log without a channel mapping by the user.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,13 @@
 
 namespace quadtune {
 
-/// A signal, and what feeds it.
+/// A signal of a model and the channel that feeds it.
 struct FedSignal {
   ChannelUse use;
   std::string
-      from;  ///< its channel in full, "sensor_baro.height", or in words what is made of some
+      /// full name of the channel, "sensor_baro.height", or a description if it is computed from
+      /// several
+      from;
 };
 
 struct FedSignals {
@@ -25,25 +27,28 @@ struct FedSignals {
   std::int64_t epoch_s = 0;
 };
 
-/// Reads inputs and outputs of a model by their names. Of a flight log of `quadtune fly`, whose
-/// columns have other names, what its sensors say to them; of its outputs those that there are.
+/// Reads inputs and outputs of a model from the channels of the same names. From a flight log of
+/// `quadtune fly`, whose columns have other names, it reads the corresponding sensor columns;
+/// outputs that the log does not contain are omitted.
 ///
 /// @param signals  of the model
-/// @throws InvalidInput  for a signal that the log does not have, or has in several tables; for one
-///                       without a unit that is called by a single letter, and so may stand for
-///                       anything, where the channel of its name is one of a table's, has a unit or
-///                       is an axis of three; and as open_log().
+/// @throws InvalidInput  if the log does not contain a signal, or contains it in several tables;
+///                       for a signal without a unit whose name is a single letter, and therefore
+///                       ambiguous, if the channel of that name is one of a table's channels, has a
+///                       unit or is one axis of three; and as open_log()
+/// @throws FileError     as open_log()
 /// @throws FileError     as open_log().
 [[nodiscard]] FedSignals read_signals_by_name(const std::string& path, const FilterModel& model,
                                               const std::vector<Signal>& signals,
                                               const LogOptions& options = {});
 
-/// Refuses a true value that counts in another world than the model's: a flight log of
-/// `quadtune fly` has z down. Measurements that read_signals_by_name() takes from one are turned.
+/// Rejects a true value whose world axes differ from those of the model: in a flight log of
+/// `quadtune fly` z points down. Measurements that read_signals_by_name() reads from such a log are
+/// converted.
 ///
-/// @param state   that the value is one of: a state, or roll, pitch, yaw, qw, qx, qy, qz
-/// @param groups  of the log that it came from
-/// @throws InvalidInput  where the model's world has z up and the value depends on that.
+/// @param state   the state that the value belongs to, or roll, pitch, yaw, qw, qx, qy, qz
+/// @param groups  of the log that contains the value
+/// @throws InvalidInput  if z points up in the model's world and the value depends on that
 void require_same_world(const std::string& path, const FilterModel& model, const std::string& state,
                         const std::vector<LogGroup>& groups);
 

@@ -13,24 +13,25 @@
 
 namespace quadtune {
 
-/// The maximum of MamboEstimatorSettings::aligned_periods.
-inline constexpr int kMostAlignedPeriods = 32;
+/// Maximum of MamboEstimatorSettings::aligned_periods.
+inline constexpr int kMaxAlignedPeriods = 32;
 
-/// What the horizontal position is the integral of.
+/// The velocity that is integrated to the horizontal position.
 enum class MamboPosition {
-  filtered_velocity,  ///< the Kalman filter's, as the original
-  flow_velocity,      ///< that of the optical flow as it came, to see what the filter is worth
+  filtered_velocity,  ///< estimate of the Kalman filter, as in the original
+  /// unfiltered velocity of the optical flow, to quantify the benefit of the filter
+  flow_velocity,
 };
 
-/// Set once. validate() tells whether step() may be given these; step() does not look. The numbers
-/// are those of Oliveira 2020, tables 3.1 and 3.2, and of the Mambo project where it has them.
+/// Constant settings. validate() checks them; step() does not. The defaults are those of Oliveira
+/// 2020, tables 3.1 and 3.2, and of the Mambo project where it defines them.
 template <class T>
 struct MamboEstimatorSettings {
   double dt = 0.005;    ///< control period [s], > 0
   T gravity = T(9.81);  ///< [m/s²], > 0
-  /// First the vehicle stands still, in the attitude given to mambo_estimator_start(), and what
-  /// the gyroscope and the accelerometer then say on average is subtracted ever after [s]. 0: the
-  /// sensors are believed as they are.
+  /// Duration of the initial calibration [s]. Meanwhile the vehicle is stationary in the attitude
+  /// given to mambo_estimator_start(); the mean errors of gyroscope and accelerometer are
+  /// subtracted from then on. 0: no calibration.
   double calibration_time = 0;
 
   T attitude_time_constant = T(1);  ///< ComplementaryFilterSettings::time_constant [s]
@@ -38,22 +39,24 @@ struct MamboEstimatorSettings {
   /// ComplementaryFilterSettings::bias_time_constant [s]; infinite: off
   T bias_time_constant = T(std::numeric_limits<double>::infinity());
 
-  T altitude_Q = T(0.0005);    ///< of vz per period [m²/s²], table 3.1
-  T altitude_R = T(0.1);       ///< of the sonar [m²]
-  T sonar_least = T(0.1);      ///< shortest echo believed [m]
-  T sonar_greatest = T(5);     ///< longest [m]
-  T sonar_jump = T(0.3);       ///< largest step from one echo to the next [m]
-  T sonar_deviation = T(0.4);  ///< largest distance from the estimated height [m]
-  /// After so long without an echo that passes both gates, one that agrees with the echo before it
-  /// is taken for the height anew [s]: over a table the gates would stay shut for ever.
+  T altitude_Q = T(0.0005);    ///< process noise of vz per period [m²/s²], table 3.1
+  T altitude_R = T(0.1);       ///< measurement noise of the sonar [m²]
+  T sonar_min = T(0.1);        ///< shortest accepted echo [m]
+  T sonar_max = T(5);          ///< longest accepted echo [m]
+  T sonar_jump = T(0.3);       ///< largest accepted difference between consecutive echoes [m]
+  T sonar_deviation = T(0.4);  ///< largest accepted difference from the estimated height [m]
+  /// After this time without an echo that passes both gates, an echo that agrees with the previous
+  /// one restarts the height estimate [s]. Otherwise the gates would reject every echo for ever
+  /// above a table.
   T sonar_recovery_time = T(1);
 
-  T velocity_Q = T(0.09);  ///< per axis and period [m²/s²], table 3.2
-  T velocity_R = T(5);     ///< of the flow velocity, per axis [m²/s²]
-  /// The original's correction factor. 1 is right for a flow without error of scale.
+  T velocity_Q = T(0.09);  ///< process noise per axis and period [m²/s²], table 3.2
+  T velocity_R = T(5);     ///< measurement noise of the flow velocity, per axis [m²/s²]
+  /// Correction factor of the original. 1 is right for a flow without scale error.
   T flow_scale = T(1.15);
-  /// How much of the flow the body's own turning makes, for x and for y: 0 leaves it in, as the
-  /// original; 1 + a²/3 and 1 + b²/3 take out the mean over an image of half fields of view a, b.
+  /// Fraction of the flow due to body rates that is subtracted, for x and for y. 0 subtracts
+  /// nothing, as in the original; 1 + a²/3 and 1 + b²/3 compensate the mean over an image with half
+  /// fields of view a and b.
   T flow_compensation_x = T(0);
   T flow_compensation_y = T(0);
   /// Total lag of a gyroscope reading: delay plus the lag of its response [s], ≥ 0.
@@ -63,15 +66,17 @@ struct MamboEstimatorSettings {
   /// flow is corrected by the newest reading, as in the original, which destabilizes a vehicle with
   /// a delayed gyroscope at height.
   int aligned_periods = 0;
-  T flow_least_height = T(0.4);  ///< estimated height below which flow is not believed [m]
-  T flow_timeout = T(0.1);       ///< age at which the newest flow is no longer used [s]
-  /// true: the newest flow corrects in every period until the next, as the original; false: once.
+  T flow_min_height = T(0.4);  ///< estimated height below which the flow is not used [m]
+  T flow_timeout = T(0.1);     ///< age at which the newest flow is no longer used [s]
+  /// true: the newest flow corrects in every period until the next one arrives, as in the original;
+  /// false: only once.
   bool hold_flow = true;
-  T flow_disagreement = T(1);  ///< Estimate::flow_disagrees above this distance [m/s]
+  T flow_disagreement = T(1);  ///< difference above which Estimate::flow_disagrees is set [m/s]
 
   MamboPosition position = MamboPosition::filtered_velocity;
-  T position_Q = T(1e-6);  ///< of px and py, whose velocity errs for seconds, per period [m²]
-  T vision_R = T(0.0025);  ///< of a position from images, per axis [m²]
+  /// process noise of px and py per period, for velocity errors that last seconds [m²]
+  T position_Q = T(1e-6);
+  T vision_R = T(0.0025);  ///< measurement noise of a vision position, per axis [m²]
 
   /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
   /// differ in precision: one visitor converts, compares and serializes.
@@ -85,8 +90,8 @@ struct MamboEstimatorSettings {
     f("bias_time_constant", s.bias_time_constant...);
     f("altitude_Q", s.altitude_Q...);
     f("altitude_R", s.altitude_R...);
-    f("sonar_least", s.sonar_least...);
-    f("sonar_greatest", s.sonar_greatest...);
+    f("sonar_least", s.sonar_min...);
+    f("sonar_greatest", s.sonar_max...);
     f("sonar_jump", s.sonar_jump...);
     f("sonar_deviation", s.sonar_deviation...);
     f("sonar_recovery_time", s.sonar_recovery_time...);
@@ -97,7 +102,7 @@ struct MamboEstimatorSettings {
     f("flow_compensation_y", s.flow_compensation_y...);
     f("gyro_lag", s.gyro_lag...);
     f("aligned_periods", s.aligned_periods...);
-    f("flow_least_height", s.flow_least_height...);
+    f("flow_least_height", s.flow_min_height...);
     f("flow_timeout", s.flow_timeout...);
     f("hold_flow", s.hold_flow...);
     f("flow_disagreement", s.flow_disagreement...);
@@ -109,7 +114,7 @@ struct MamboEstimatorSettings {
   friend bool operator==(const MamboEstimatorSettings&, const MamboEstimatorSettings&) = default;
 };
 
-/// The complementary filter's share of them.
+/// The settings of the complementary filter.
 template <class T>
 [[nodiscard]] ComplementaryFilterSettings<T> attitude_settings(
     const MamboEstimatorSettings<T>& settings) {
@@ -117,46 +122,49 @@ template <class T>
           settings.bias_time_constant};
 }
 
-/// The flow and the gyroscope reading of one control period, stored to align them in time.
+/// Flow and gyroscope reading of one control period, stored for alignment in time.
 template <class T>
 struct FlowMoment {
-  Eigen::Matrix<T, 2, 1> rates = Eigen::Matrix<T, 2, 1>::Zero();  ///< p, q as read [rad/s]
+  Eigen::Matrix<T, 2, 1> rates = Eigen::Matrix<T, 2, 1>::Zero();  ///< p, q as measured [rad/s]
   Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();   ///< newest flow [rad/s]
-  T age = T(0);      ///< of the flow's image when the flow arrived [s]
+  T age = T(0);      ///< age of the flow's image when the flow arrived [s]
   MaskOf<T> came{};  ///< whether a flow arrived in this period
 };
 
-/// What is kept from one period to the next. A copy of it resumes identically.
+/// Estimator state between control periods. A copy resumes identically.
 template <class T>
 struct MamboEstimatorState {
   ComplementaryFilterState<T> attitude;
   Vector3<T> force = Vector3<T>::Zero();       ///< newest specific force [m/s²]
-  Vector3<T> force_bias = Vector3<T>::Zero();  ///< found at the start [m/s²]
-  KalmanState<T, 2> altitude;                  ///< z, vz, predicted for the period to come
-  KalmanState<T, 2> velocity;                  ///< vx, vy of the world, likewise
+  Vector3<T> force_bias = Vector3<T>::Zero();  ///< computed by the calibration [m/s²]
+  KalmanState<T, 2> altitude;                  ///< z, vz, predicted for the next period
+  /// vx, vy in world axes, predicted for the next period
+  KalmanState<T, 2> velocity;
   Eigen::Matrix<T, 2, 1> position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ filtered velocity [m]
   Eigen::Matrix<T, 2, 1> flow_position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ flow velocity [m]
-  T position_variance = T(0);  ///< of either, per axis [m²]
+  T position_variance = T(0);  ///< of either position, per axis [m²]
 
-  T echo_height = T(0);      ///< of the last echo in range, believed or not [m]
-  T unbelieved_time = T(0);  ///< since an echo was last believed [s]
+  T echo_height = T(0);    ///< of the last echo in range, accepted or not [m]
+  T rejected_time = T(0);  ///< since the last accepted echo [s]
   Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();  ///< newest, compensated [rad/s]
   T flow_age = T(0);                                             ///< [s]
-  MaskOf<T> flow_seen{};                                         ///< whether any flow came yet
-  std::array<FlowMoment<T>, kMostAlignedPeriods> moments{};      ///< newest first, aligned_periods
+  /// whether any flow has arrived yet
+  MaskOf<T> flow_seen{};
+  /// newest first, aligned_periods entries in use
+  std::array<FlowMoment<T>, kMaxAlignedPeriods> moments{};
 
   std::int64_t periods = 0;                  ///< since the start
-  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
+  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< during the calibration
   Vector3<T> force_sum = Vector3<T>::Zero();
   T gyro_count = T(0);
   T force_count = T(0);
 };
 
-/// cos roll · cos pitch below which sonar and flow look too far aside to be used: 60°.
-inline constexpr double kLeastTiltCosine = 0.5;
+/// Minimum of cos roll · cos pitch at which sonar and flow are used: 60° of tilt.
+inline constexpr double kMinTiltCosine = 0.5;
 
-/// The state of an estimator that knows where it is.
-/// @param x  the 12 states of ned_convention().
+/// Initial state of an estimator for a known motion.
+/// @param x  the 12 states of ned_convention()
 template <class T>
 [[nodiscard]] MamboEstimatorState<T> mambo_estimator_start(
     const MamboEstimatorSettings<T>& settings, const StateVector<T>& x) {
@@ -174,17 +182,17 @@ template <class T>
   return state;
 }
 
-/// The horizontal velocity in the world that a flow means.
-/// @param flow    mean image velocity over focal length, less the body's turning [rad/s].
-/// @param height  of the camera above the ground [m].
-/// @param down_velocity  vz, which the flow does not tell [m/s].
-/// @param R_WB    body to world; the camera looks along body z.
+/// Horizontal velocity in world axes that corresponds to a flow.
+/// @param flow    mean image velocity over focal length, rotation compensated [rad/s]
+/// @param height  of the camera above the ground [m]
+/// @param down_velocity  vz, which cannot be computed from the flow [m/s]
+/// @param R_WB    body to world; the camera looks along body z
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 2, 1> velocity_of_flow(const Eigen::Matrix<T, 2, 1>& flow,
                                                       const T& height, const T& down_velocity,
                                                       const Matrix3<T>& R_WB) {
-  // Along body z the ground is this far, and flow = -velocity / depth.
-  const T cosine = greater(R_WB(2, 2), T(kLeastTiltCosine));
+  // Distance to the ground along body z; flow = -velocity / depth.
+  const T cosine = max_of(R_WB(2, 2), T(kMinTiltCosine));
   const T depth = height / cosine;
   const T u = -flow(0) * depth;
   const T v = -flow(1) * depth;
@@ -201,9 +209,9 @@ struct AlignedFlow {
   MaskOf<T> due{};  ///< whether a corrected flow became available in this period
 };
 
-/// Stores this period's reading and flow, and returns the flow whose correction has become
-/// possible. A flow can be corrected in the first period in which the gyroscope readings cover the
-/// time of its image: when it arrives, or up to aligned_periods - 1 periods later.
+/// Stores this period's reading and flow, and returns the flow that can be corrected now. That is
+/// the first period in which the gyroscope readings cover the time of the flow's image: the period
+/// of its arrival, or up to aligned_periods - 1 periods later.
 template <class T>
 [[nodiscard]] AlignedFlow<T> aligned_flow(const MamboEstimatorSettings<T>& settings,
                                           MamboEstimatorState<T>& state, const Vector3<T>& rates,
@@ -218,24 +226,25 @@ template <class T>
   AlignedFlow<T> result;
   for (int j = n - 1; j >= 0; --j) {
     const FlowMoment<T>& moment = moments[static_cast<std::size_t>(j)];
-    // Control periods since the gyroscope readings covered the time of the image, up to rounding.
+    // Control periods since the gyroscope readings first covered the time of the image, up to
+    // rounding.
     const T ago = (moment.age - settings.gyro_lag) / dt + T(j);
     const MaskOf<T> told = ago > T(-1e-6);
-    const MaskOf<T> now = j == 0 ? told : both(told, negated(ago > T(1 - 1e-6)));
-    const MaskOf<T> due = both(moment.came, now);
+    const MaskOf<T> now = j == 0 ? told : logical_and(told, logical_not(ago > T(1 - 1e-6)));
+    const MaskOf<T> due = logical_and(moment.came, now);
     if (!any(due)) continue;
     Eigen::Matrix<T, 2, 1> turning = Eigen::Matrix<T, 2, 1>::Zero();
     const T back = clamped(ago, T(0), T(n - 1));
     for (int i = 0; i < n; ++i) {
       // Linear interpolation between two readings.
-      const T weight = greater(T(T(1) - magnitude(T(back - T(i)))), T(0));
+      const T weight = max_of(T(T(1) - abs_of(T(back - T(i)))), T(0));
       turning += moments[static_cast<std::size_t>(i)].rates * weight;
     }
     const Eigen::Matrix<T, 2, 1> translation = {
         moment.flow(0) + settings.flow_compensation_x * turning.y(),
         moment.flow(1) - settings.flow_compensation_y * turning.x()};
     result.translation = select_entries<T>(due, translation, result.translation);
-    result.due = either(result.due, due);
+    result.due = logical_or(result.due, due);
   }
   return result;
 }
@@ -243,7 +252,7 @@ template <class T>
 /// The number of control periods that aligned_flow() must store.
 /// @param gyro_lag    [s], ≥ 0
 /// @param flow_delay  from the image to the arrival of its flow [s], ≥ 0
-/// @param dt        control period [s], > 0
+/// @param dt          control period [s], > 0
 [[nodiscard]] int flow_alignment_periods(double gyro_lag, double flow_delay, double dt);
 
 namespace mambo_internal {
@@ -251,14 +260,15 @@ namespace mambo_internal {
 template <class T>
 using Vector2 = Eigen::Matrix<T, 2, 1>;
 
-/// Since the start, half a period more: it guards the product against rounding. [s]
+/// Time since the start plus half a period, which guards comparisons against rounding [s].
 template <class T>
 [[nodiscard]] double elapsed(const MamboEstimatorSettings<T>& settings,
                              const MamboEstimatorState<T>& state) {
   return (static_cast<double>(state.periods) + 0.5) * settings.dt;
 }
 
-/// A period of standing still: nothing moves, and at the end the sensors' means are their offsets.
+/// One period of calibration: the vehicle does not move; at the end the means of the sensors become
+/// their offsets.
 template <class T>
 void stand(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
            const Vector3<T>& gyro, const MaskOf<T>& gyro_fresh, const MaskOf<T>& force_fresh,
@@ -272,97 +282,97 @@ void stand(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& st
   const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
   if (elapsed(settings, state) >= settings.calibration_time) {
     const Vector3<T> rest = R_WB.row(2).transpose() * T(-settings.gravity);
-    state.attitude.gyro_bias = state.gyro_sum / greater(state.gyro_count, T(1));
+    state.attitude.gyro_bias = state.gyro_sum / max_of(state.gyro_count, T(1));
     state.attitude.gyro = gyro;
     state.force_bias = select_entries<T>(
         state.force_count > T(0),
-        Vector3<T>(state.force_sum / greater(state.force_count, T(1)) - rest), state.force_bias);
+        Vector3<T>(state.force_sum / max_of(state.force_count, T(1)) - rest), state.force_bias);
   }
   estimate.x << state.position, state.altitude.x(0), angles, Vector3<T>::Zero(), Vector3<T>::Zero();
   estimate.finite = entries_are_finite<T>(estimate.x);
 }
 
-/// Height and vertical speed by the sonar. After sonar_recovery_time without an echo that is near
-/// the estimate, a steady one restarts the filter.
-/// @param upright  whether the sonar looks down
+/// Estimates height and vertical speed by the sonar. After sonar_recovery_time without an echo near
+/// the estimate, two consistent echoes restart the filter.
+/// @param upright  whether the sonar points to the ground
 template <class T>
 void correct_height(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                     const Sample<T, T>& sonar, const Matrix3<T>& R_WB, const MaskOf<T>& upright,
                     Estimate<T>& estimate) {
-  // Comparisons with NaN, which stands for no echo, are false.
+  // NaN means no echo; comparisons with NaN are false.
   const T range = sonar.value;
   const T echo_height = range * R_WB(2, 2);
-  const MaskOf<T> echo = both(both(sonar.fresh, upright), both(range >= settings.sonar_least,
-                                                               range <= settings.sonar_greatest));
+  const MaskOf<T> echo =
+      logical_and(logical_and(sonar.fresh, upright),
+                  logical_and(range >= settings.sonar_min, range <= settings.sonar_max));
   const MaskOf<T> steady =
-      both(echo, magnitude(T(echo_height - state.echo_height)) <= settings.sonar_jump);
-  const MaskOf<T> near =
-      magnitude(T(echo_height + state.altitude.x(0))) <= settings.sonar_deviation;
-  const MaskOf<T> anew =
-      both(both(steady, negated(near)), state.unbelieved_time >= settings.sonar_recovery_time);
+      logical_and(echo, abs_of(T(echo_height - state.echo_height)) <= settings.sonar_jump);
+  const MaskOf<T> near = abs_of(T(echo_height + state.altitude.x(0))) <= settings.sonar_deviation;
+  const MaskOf<T> anew = logical_and(logical_and(steady, logical_not(near)),
+                                     state.rejected_time >= settings.sonar_recovery_time);
   KalmanState<T, 2> restarted = state.altitude;
   restarted.x(0) = -echo_height;
-  restarted.P << settings.altitude_R, T(0), T(0), T(1);  // the speed is known to a metre a second
+  restarted.P << settings.altitude_R, T(0), T(0), T(1);  // the speed is known to 1 m/s
   state.altitude.x = select_entries<T>(anew, restarted.x, state.altitude.x);
   state.altitude.P = select_entries<T>(anew, restarted.P, state.altitude.P);
   const KalmanUpdate<T> height_update =
       update(state.altitude, Eigen::Matrix<T, 1, 2>(T(1), T(0)), -echo_height, settings.altitude_R,
-             both(steady, near));
-  estimate.height_used = either(height_update.used, anew);
+             logical_and(steady, near));
+  estimate.height_used = logical_or(height_update.used, anew);
   estimate.innovation_square += height_update.innovation_square;
   estimate.innovation_freedom += select(height_update.used, T(1), T(0));
   state.echo_height = select(echo, echo_height, state.echo_height);
-  state.unbelieved_time =
-      select(estimate.height_used, T(0), T(state.unbelieved_time + T(settings.dt)));
+  state.rejected_time = select(estimate.height_used, T(0), T(state.rejected_time + T(settings.dt)));
 }
 
-/// The horizontal velocity that the newest flow means, and whether it is believed.
+/// Horizontal velocity computed from the newest flow, and whether it is used.
 template <class T>
 struct FlowVelocity {
   Vector2<T> value;  ///< world [m/s]
   MaskOf<T> valid;
 };
 
-/// Horizontal velocity by optical flow. The turning is taken out when the flow comes, for it is of
-/// that instant.
+/// Estimates the horizontal velocity by optical flow. The flow is compensated for rotation on
+/// arrival, because the correction depends on the body rates at that time.
 template <class T>
 FlowVelocity<T> correct_velocity(const MamboEstimatorSettings<T>& settings,
                                  MamboEstimatorState<T>& state, const Sample<Vector2<T>, T>& flow,
                                  const Vector3<T>& rates, const Matrix3<T>& R_WB,
                                  const MaskOf<T>& upright, Estimate<T>& estimate) {
   using Matrix2 = Eigen::Matrix<T, 2, 2>;
-  const MaskOf<T> fresh = both(flow.fresh, entries_are_finite<T>(flow.value));
+  const MaskOf<T> fresh = logical_and(flow.fresh, entries_are_finite<T>(flow.value));
   AlignedFlow<T> come = {{flow.value(0) + settings.flow_compensation_x * rates.y(),
                           flow.value(1) - settings.flow_compensation_y * rates.x()},
                          fresh};
   if (settings.aligned_periods > 0) come = aligned_flow(settings, state, rates, flow, fresh);
   state.flow = select_entries<T>(come.due, come.translation, state.flow);
   state.flow_age = select(come.due, T(0), T(state.flow_age + T(settings.dt)));
-  state.flow_seen = either(state.flow_seen, come.due);
+  state.flow_seen = logical_or(state.flow_seen, come.due);
   const T z = state.altitude.x(0), vz = state.altitude.x(1);
   FlowVelocity<T> measured;
   measured.value = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
-  measured.valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
-                        both(upright, -z >= settings.flow_least_height));
+  measured.valid =
+      logical_and(logical_and(state.flow_seen, state.flow_age <= settings.flow_timeout),
+                  logical_and(upright, -z >= settings.flow_min_height));
   const Vector2<T> difference = measured.value - state.velocity.x;
   estimate.flow_disagrees =
-      both(measured.valid, difference(0) * difference(0) + difference(1) * difference(1) >
-                               settings.flow_disagreement * settings.flow_disagreement);
+      logical_and(measured.valid, difference(0) * difference(0) + difference(1) * difference(1) >
+                                      settings.flow_disagreement * settings.flow_disagreement);
   const KalmanUpdate<T> flow_update =
       update(state.velocity, Matrix2(Matrix2::Identity()), measured.value,
              Matrix2(Matrix2::Identity() * settings.velocity_R),
-             settings.hold_flow ? measured.valid : both(measured.valid, come.due));
+             settings.hold_flow ? measured.valid : logical_and(measured.valid, come.due));
   estimate.flow_used = flow_update.used;
   estimate.innovation_square += flow_update.innovation_square;
   estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
   return measured;
 }
 
-/// Horizontal position by images, carried over the time that the image took to be read.
+/// Corrects the horizontal position by vision, propagated over the processing time of the image.
 template <class T>
 void correct_position(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                       const Sample<Vector3<T>, T>& vision) {
-  const MaskOf<T> seen = both(vision.fresh, entries_are_finite<T>(vision.value));
+  const MaskOf<T> seen = logical_and(vision.fresh, entries_are_finite<T>(vision.value));
   if (!any(seen)) return;
   const T& P = state.position_variance;
   const T gain = select(seen, T(P / (P + settings.vision_R)), T(0));
@@ -376,8 +386,8 @@ void correct_position(const MamboEstimatorSettings<T>& settings, MamboEstimatorS
   state.position_variance -= gain * P;
 }
 
-/// What the next period begins with.
-/// @param acceleration  world, gravity added [m/s²]
+/// Predicts the state for the next period.
+/// @param acceleration  in world axes, gravity added [m/s²]
 template <class T>
 void predict_next(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                   const FlowVelocity<T>& flow, const Vector3<T>& acceleration) {
@@ -402,21 +412,22 @@ void predict_next(const MamboEstimatorSettings<T>& settings, MamboEstimatorState
 
 }  // namespace mambo_internal
 
-/// One control period: from what the sensors said to what is believed.
+/// Processes one control period: computes the estimate from the newest samples.
 ///
 /// The filters correct with this period's measurement (tables 3.1 and 3.2, measurement and update),
-/// give their estimate, and predict the next period with this period's acceleration. The position
-/// is the sum of the velocities before, times dt; a position from images, where there is a camera
-/// that gives it, corrects px and py, carried by the estimated velocity over the time that it took.
-/// Inputs that are not finite count as not fresh.
+/// output their estimate, and predict the next period with this period's acceleration. The position
+/// is the sum of the previous velocities times dt. If a camera provides positions, they correct px
+/// and py, propagated by the estimated velocity over the age of the image. Inputs that are not
+/// finite count as not fresh.
 template <class T>
 Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                  const SensorFrame<T>& frame) {
   namespace internal = mambo_internal;
   Estimate<T> estimate;
-  const MaskOf<T> gyro_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> gyro_fresh =
+      logical_and(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
   const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+      logical_and(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
   const Vector3<T> gyro = select_entries<T>(gyro_fresh, frame.rates.value, state.attitude.gyro);
   state.force = select_entries<T>(force_fresh, frame.specific_force.value, state.force);
   if (internal::elapsed(settings, state) < settings.calibration_time) {
@@ -431,7 +442,7 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
   Vector3<T> acceleration = R_WB * force;
   acceleration.z() += settings.gravity;
-  const MaskOf<T> upright = R_WB(2, 2) > T(kLeastTiltCosine);
+  const MaskOf<T> upright = R_WB(2, 2) > T(kMinTiltCosine);
 
   internal::correct_height(settings, state, frame.sonar, R_WB, upright, estimate);
   const internal::FlowVelocity<T> flow =
@@ -456,8 +467,8 @@ template <class To, class From>
   return to;
 }
 
-/// Whether step() may run with these: dt and gravity > 0, times and gates ≥ 0, covariances ≥ 0 with
-/// R > 0, limits in order, and a complementary filter that its own validate() accepts.
+/// Validates the settings: dt and gravity > 0, times and gates ≥ 0, covariances ≥ 0 with R > 0,
+/// limits in order, and complementary filter settings that their own validate() accepts.
 /// @throws InvalidInput  "where: altitude_R is 0 m2, expected …"
 void validate(const MamboEstimatorSettings<double>& settings, const std::string& where);
 void validate(const MamboEstimatorSettings<float>& settings, const std::string& where);

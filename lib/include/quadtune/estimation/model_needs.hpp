@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which filter models a log can feed, and what it lacks for the others.
+/// Which filter models a log can feed, and which signals are missing for the others.
 #pragma once
 
 #include <string>
@@ -11,47 +11,48 @@
 
 namespace quadtune {
 
-/// What a filter takes from a log, whatever kind of model it is.
+/// The signals that a filter model of any kind uses.
 struct ModelSignals {
   struct Sensor {
     std::string name;             ///< e.g. "sonar"
-    std::vector<Signal> outputs;  ///< that it measures in one sample
+    std::vector<Signal> outputs;  ///< measured together in one sample
   };
   std::string name;             ///< e.g. "altitude"
-  std::vector<Signal> inputs;   ///< all of them are needed
-  std::vector<Sensor> sensors;  ///< one of them is enough
-  /// Its world has z up, so that y and z of a flight log of quadtune come with the other sign.
+  std::vector<Signal> inputs;   ///< all of them are required
+  std::vector<Sensor> sensors;  ///< at least one of them is required
+  /// z points up in the model's world, so that y and z of a quadtune flight log change sign.
   bool z_up = false;
 };
 
 [[nodiscard]] ModelSignals signals_of(const FilterModel& model);
 
-/// Of each built-in model, in the order of the documentation.
+/// Signals of each built-in model, in the order of the documentation.
 [[nodiscard]] std::vector<ModelSignals> signals_of_built_in_models();
 
-/// An input or output that a log cannot feed by itself.
+/// An input or output that the log does not provide by name.
 struct MissingSignal {
   Signal signal;
-  std::string sensor;  ///< that measures it; "" for an input
-  std::string why;     ///< what is wrong with the channel of its name; "" where there is none
-  /// Channels of its unit that a user may mean, by their full names, those of like names first.
+  std::string sensor;  ///< sensor that measures it; empty for an input
+  std::string why;     ///< what is wrong with the channel of the same name; empty if there is none
+  /// Full names of channels with a matching unit that the user may mean, those with similar names
+  /// first.
   std::vector<std::string> candidates;
 };
 
 struct ModelNeeds {
   std::string model;
-  bool feeds = false;  ///< all inputs are there, and all outputs of one sensor
+  bool feeds = false;  ///< all inputs and all outputs of at least one sensor are available
   std::vector<std::pair<std::string, std::string>> uses;  ///< signal, and the channel that feeds it
-  std::vector<MissingSignal> missing;  ///< of a model that is fed: of its other sensors
-  bool own_log = false;  ///< a flight log of quadtune: without --map, what is missing is left out
+  std::vector<MissingSignal> missing;  ///< if the model is fed: outputs of its other sensors
+  bool own_log = false;  ///< flight log of quadtune: without --map, missing signals are omitted
 };
 
-/// A channel feeds the signal of its name, in full or without its group's, as read_log_channels()
-/// takes names, where it has samples and times that increase, and its unit is the signal's or one
-/// of them has none.
-[[nodiscard]] ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log);
+/// Computes which signals of a model a log provides. A channel feeds the signal of the same name,
+/// with or without the name of its group, as read_log_channels() resolves names, if it has samples
+/// and strictly increasing times and if its unit is that of the signal or either unit is empty.
+[[nodiscard]] ModelNeeds model_needs(const ModelSignals& model, const LogSurvey& log);
 
-/// One line: "altitude: fed by az, height", or what is missing and how to name it.
+/// One line: "altitude: fed by az, height", or the missing signals and how to map them.
 [[nodiscard]] std::string to_text(const ModelNeeds& needs);
 
 }  // namespace quadtune

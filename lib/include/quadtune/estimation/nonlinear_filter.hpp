@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A filter of a nonlinear system over its logs, as the search for its noise sees it.
+/// Interface between nonlinear filters over logs and the search for their noise covariances.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,13 +13,13 @@
 
 namespace quadtune {
 
-/// Records of a filter, or why there are none.
+/// Linearized records of a filter, or the reason why there are none.
 struct LinearizedLogs {
   std::vector<FilterRecord> records;
   std::string culprit;  ///< e.g. "log.csv: the velocity leaves the range of a double at 3.2 s"
 };
 
-/// An extended Kalman filter with its logs.
+/// An extended Kalman filter together with its logs.
 class NonlinearFilter {
  public:
   NonlinearFilter() = default;
@@ -29,42 +29,45 @@ class NonlinearFilter {
   NonlinearFilter& operator=(NonlinearFilter&&) = default;
   virtual ~NonlinearFilter() = default;
 
-  /// States, sensors and parameters; A, B, C and G are those of no instant in particular.
+  /// States, sensors and parameters; A, B, C and G do not refer to any particular instant.
   [[nodiscard]] virtual const FilterModel& model() const = 0;
 
-  /// The logs, linearized along the path that the extended filter takes with these covariances: a
-  /// linear filter over them with the same θ has the extended filter's innovations.
+  /// Linearizes the logs along the trajectory that the extended filter computes with these
+  /// covariances: a linear filter over the result, with the same θ, has the innovations of the
+  /// extended filter.
   /// @param theta  (p) as start_of(model())
-  /// @param stop   asked every thousand instants; true ends it with Interrupted. May be empty.
-  /// @return       the instants of measurements(), NaN where a gate refuses one; a truth is in the
-  ///               terms of that linear model: of inertial navigation the true turn from its path
+  /// @param stop   called every thousand instants; true aborts with Interrupted. May be empty.
+  /// @return       the instants of measurements(), NaN where a gate rejects one. A truth is
+  ///               expressed in the states of the linear model, for inertial navigation the
+  ///               rotation from the trajectory to the true attitude.
   [[nodiscard]] virtual LinearizedLogs linearize(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                                  const std::function<bool()>& stop = {}) const = 0;
 
-  /// All measurements of the logs, not linearized: one column an instant.
+  /// All measurements of the logs, not linearized: one column per instant.
   [[nodiscard]] virtual const std::vector<FilterRecord>& measurements() const = 0;
 
-  /// Which of the records it was made of are not among measurements().
+  /// Records that were passed to the constructor and are not among measurements().
   [[nodiscard]] virtual const std::vector<LeftOutRecord>& left_out() const = 0;
 };
 
-/// The extended filter of a nonlinear model over its logs, from the first measurement of each on.
+/// Creates the extended filter of a nonlinear model over its logs. Each log begins at its first
+/// measurement.
 ///
-/// Inertial navigation begins with the tilt that the accelerometer showed in the second before, at
-/// rest, at an unknown position; of the directions that it might have faced, with that of the
-/// greatest likelihood over the first half minute. P0 is that of all states but the attitude, of
-/// which these are the doubts. A rigid body is predicted as on board by Euler steps of at most
-/// 10 ms, its rotors' speeds held, and begins with x0 but for the angles and places that the first
-/// samples show.
+/// Inertial navigation starts at rest, at an unknown position, with the tilt that the accelerometer
+/// measured in the preceding second. Of several candidate headings, that with the greatest
+/// likelihood over the first half minute is chosen. P0 is the covariance of all states except the
+/// attitude, whose initial uncertainty follows from this procedure. A rigid body is predicted as on
+/// board, by Euler steps of at most 10 ms at constant rotor speeds; it starts with x0, except for
+/// the angles and positions that the first samples measure.
 ///
-/// A record with fewer than two instants of measurements is left out: nothing moves in it that any
-/// innovation could tell.
+/// A record with fewer than two instants of measurements is left out, since it contains no
+/// innovation that depends on the motion.
 ///
-/// @param records  inputs at every instant, and the measurements where there are any
-/// @param stop     asked every thousand instants; true ends it with Interrupted. May be empty.
-/// @throws InvalidInput  as validate() of the model and validate_samples(); for a linear model, a
-///                       sensor that measures the attitude of inertial navigation, and where no
-///                       record has two instants of measurements.
+/// @param records  inputs at every instant, and measurements where available
+/// @param stop     called every thousand instants; true aborts with Interrupted. May be empty.
+/// @throws InvalidInput  as validate() of the model and validate_samples(); if the model is linear,
+///                       if a sensor measures the attitude of inertial navigation, or if no record
+///                       has two instants of measurements
 [[nodiscard]] std::unique_ptr<NonlinearFilter> nonlinear_filter(
     FilterModel model, const std::vector<FilterRecord>& records,
     const std::function<bool()>& stop = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the channels of a log to what a filter model takes.
+/// Converts the channels of a log to records of a filter model.
 #pragma once
 
 #include <string>
@@ -11,32 +11,32 @@
 
 namespace quadtune {
 
-/// Which of a log's channels is which input or output of a model.
+/// Assigns a channel of a log to an input or output of a model.
 struct ChannelUse {
-  std::string signal;  ///< an input's, output's or, of a truth, a state's name, e.g. "height"
-  LogSeries series;    ///< times increasing
+  std::string signal;  ///< name of an input or output or, for a truth, of a state, e.g. "height"
+  LogSeries series;    ///< strictly increasing times
 };
 
-/// The model's instants are all those at which something was measured, at the time that the sample
-/// is of (Sensor::delay before it was logged), or an input changed. Before the first sample of
-/// every input there is nothing; where an input stays away for more than ten of its typical periods
-/// the record is parted, for what it was there is not known.
+/// Converts the channels of a log to records. The instants of a record are all times at which a
+/// sample was taken (Sensor::delay before it was logged) or an input changed. A record begins when
+/// every input has a sample. It is split where an input is missing for more than ten of its typical
+/// periods, since the value of the input is unknown there.
 ///
-/// @param uses  every input of the model, and one output at least; an output that is not among them
-///              was not measured
-/// @param truths  what states truly were: between its samples a truth is interpolated, but not over
-///                more than ten of its typical periods. Besides states, of a nonlinear model "qw",
-///                "qx", "qy", "qz": the attitude's quaternion, body to world; of inertial
-///                navigation also "roll", "pitch", "yaw", and its truth in place of the turn is the
-///                rotation vector of the attitude. Degrees are taken for states in radians.
+/// @param uses  every input of the model and at least one output; the other outputs count as not
+///              measured
+/// @param truths  true values of states. A truth is interpolated between its samples, but not over
+///                more than ten of its typical periods. Nonlinear models also accept "qw", "qx",
+///                "qy", "qz", the attitude quaternion from body to world, and inertial navigation
+///                "roll", "pitch", "yaw"; its truth for the rotation states is the rotation vector
+///                of the attitude. Degrees are converted for states in radians.
 /// @param name  of the record, for messages
-/// @param left_out  where not null, what was measured at single instants between two gaps is added:
-///                  there is no step of time in such a stretch, and it is no record
+/// @param left_out  if not null, receives the measurements at single instants between two gaps:
+///                  such an interval contains no time step and gives no record
 /// @return      at least one record
-/// @throws InvalidInput  "name: …" for a signal that is missing, unknown or given twice, a unit
-/// that
-///                       is not the model's, times that do not increase, two samples of one output
-///                       in one period of a discrete model, nothing in common.
+/// @throws InvalidInput  "name: …" if a signal is missing, unknown or given twice, a unit is not
+///                       that of the model, times do not increase, a period of a discrete model
+///                       contains two samples of one output, or inputs and outputs do not overlap
+///                       in time
 [[nodiscard]] std::vector<FilterRecord> records_of_log(
     const FilterModel& model, const std::vector<ChannelUse>& uses, const std::string& name,
     const std::vector<ChannelUse>& truths = {}, std::vector<LeftOutRecord>* left_out = nullptr);

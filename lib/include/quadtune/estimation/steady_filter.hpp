@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A Kalman filter with its steady gains, as it runs on board. Theory: "Kalman filter".
+/// Kalman filter with constant (steady-state) gains for flight code. Theory: "Kalman filter".
 #pragma once
 
 #include <Eigen/Core>
@@ -9,11 +9,12 @@
 
 namespace quadtune {
 
-/// What is kept from one period to the next. A copy of it resumes identically.
+/// Filter state between periods. A copy resumes identically.
 template <class T>
 struct SteadyFilterState {
-  Eigen::Matrix<T, Eigen::Dynamic, 1> x;  ///< predicted for the measurement to come
-  Eigen::Matrix<T, Eigen::Dynamic, 1> e;  ///< innovation of the measurement since; 0: none came
+  Eigen::Matrix<T, Eigen::Dynamic, 1> x;  ///< predicted for the next measurement
+  /// innovation of the measurement since then; 0 if there was none
+  Eigen::Matrix<T, Eigen::Dynamic, 1> e;
 };
 
 template <class T>
@@ -22,8 +23,8 @@ template <class T>
   return {x, Eigen::Matrix<T, Eigen::Dynamic, 1>::Constant(filter.model.C.rows(), T(0))};
 }
 
-/// The estimate with the measurement of now, e = y - C x, x + M e. An entry of y that is not finite
-/// is not used.
+/// Estimate that includes the present measurement: e = y - C x, x + M e. Entries of y that are not
+/// finite are not used.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> correct(
     const KalmanFilter& filter, SteadyFilterState<T>& state,
@@ -39,8 +40,9 @@ template <class T>
   return estimate;
 }
 
-/// One period on, x ← A x + B u + L e: from the estimate x + M e, and by what the noises of process
-/// and measurement have in common. An entry of u that is not finite counts as 0.
+/// Predicts the next period: x ← A x + B u + L e. This advances the estimate x + M e and includes
+/// the correlation between process and measurement noise. Entries of u that are not finite count as
+/// 0.
 template <class T>
 void predict(const KalmanFilter& filter, SteadyFilterState<T>& state,
              const Eigen::Matrix<T, Eigen::Dynamic, 1>& u) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The covariances of a tuned filter model as those of a filter on board.
+/// Converts the covariances of a tuned filter model to those of a filter on board.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,31 +14,31 @@ template <class T>
 struct UquadFilterSettings;
 
 struct NoisePerStep {
-  Eigen::MatrixXd Q;  ///< (nw × nw) of w, each step
-  Eigen::MatrixXd R;  ///< (ny × ny) of a measurement
+  Eigen::MatrixXd Q;  ///< (nw × nw) covariance of w per step
+  Eigen::MatrixXd R;  ///< (ny × ny) covariance per measurement
 };
 
-/// For a filter x[k+1] = A x + B u + G w, y = C x + v whose noise acts on the same states as the
-/// model's: Q is the model's density times dt, as program steps that add the noise of a period at
-/// its end have it, or Q itself where the model is discrete with the same period. A measurement
-/// whose row of C is the model's with the other sign, a height for a coordinate down, has the same
-/// variance.
+/// Noise for a filter x[k+1] = A x + B u + G w, y = C x + v whose noise acts on the same states as
+/// that of the model. Q is the model's density times dt, for programs that add the noise of a
+/// period at its end, or Q itself if the model is discrete with the same period. A measurement
+/// whose row of C has the opposite sign in the model (height instead of a coordinate that points
+/// down) has the same variance.
 ///
 /// @param model   with the tuned variances as starts, see with_noise()
-/// @param filter  its states by the same names, in order
+/// @param filter  states with the same names in the same order
 /// @param G       (nx × nw) of the filter
-/// @throws InvalidInput  "where: …" for other states, noises, measurements or another period.
+/// @throws InvalidInput  "where: …" if states, noises, measurements or period differ
 [[nodiscard]] NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
                                           const Eigen::MatrixXd& G, const std::string& where);
 
-/// Takes the variances of a tuned rigid_body_model() into the uquad's filter: Q is the model's
-/// density times settings.dt; R of a sensor that the model has not stays as it is.
+/// Copies the variances of a tuned rigid_body_model() to the settings of the uquad's filter: Q is
+/// the model's density times settings.dt; the R of a sensor that the model does not have remains
+/// unchanged.
 ///
 /// @param model  with the tuned variances as starts, see with_noise()
-/// @throws InvalidInput  "where: …" for another kind of model, or a sensor whose axes have
-/// different
-///                       variances, which the filter has not.
-void take_noise(const FilterModel& model, const std::string& where,
+/// @throws InvalidInput  "where: …" for another kind of model, or if the axes of a sensor have
+///                       different variances, which the filter does not support
+void copy_noise(const FilterModel& model, const std::string& where,
                 UquadFilterSettings<double>& settings);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The uquad's extended Kalman filter in quadtune's own convention: 12 states of the rigid body and
+/// The uquad's extended Kalman filter in quadtune's convention: 12 states of the rigid body and
 /// three accelerometer biases. Theory: "Estimators on board".
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace quadtune {
 
-/// The 12 of ned_convention(), then the biases of the accelerometer in body axes [m/s²].
+/// The 12 states of ned_convention(), then the accelerometer biases in body axes [m/s²].
 inline constexpr int kUquadStates = 15;
 inline constexpr int kForceBias = 12;
 
 template <class T>
 using UquadVector = Eigen::Matrix<T, kUquadStates, 1>;
 
-/// Variances added per period, in the filter's order: position [m²], angles [rad²], body velocity
-/// [m²/s²], rates [rad²/s²], biases [m²/s⁴]. Signs and axes of the uquad's own names drop out of a
-/// diagonal whose three entries are equal.
+/// Variances added per period, in the order of the states: position [m²], angles [rad²], body
+/// velocity [m²/s²], rates [rad²/s²], biases [m²/s⁴]. The uquad's own signs and axes do not matter
+/// for a diagonal whose three entries are equal.
 template <class T>
 [[nodiscard]] UquadVector<T> uquad_variances(double position, double angles, double velocity,
                                              double rates, double bias) {
@@ -37,17 +37,17 @@ template <class T>
   return result;
 }
 
-/// Set once. validate() tells whether step() may be given these; step() does not look. The
-/// variances are those of the public uquad program: per period and not scaled by it, and far larger
-/// than the motion's own. With them the tilt follows the accelerometer within 40 ms, and in flight
-/// that hardly feels the tilt: for flights other than hover there is uquad_filter_in_si().
+/// Constant settings. validate() checks them; step() does not. The variances are those of the
+/// public uquad program: per period, independent of its length, and much larger than the actual
+/// process noise. With them the tilt follows the accelerometer within 40 ms, although in flight the
+/// accelerometer hardly measures the tilt; use uquad_filter_in_si() for flights other than hover.
 template <class T>
 struct UquadFilterSettings {
   double dt = 0.01;             ///< control period [s], > 0
-  double calibration_time = 0;  ///< standing still at the start, see step() [s]; 0: none
+  double calibration_time = 0;  ///< stationary interval at the start, see step() [s]; 0: none
 
   UquadVector<T> Q = uquad_variances<T>(100, 1, 100, 10, 1);
-  UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);  ///< of the state given at the start
+  UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);  ///< of the initial state
   T R_tilt = T(10);           ///< roll and pitch from the accelerometer [rad²] (psi, phi)
   T R_yaw = T(1000);          ///< from the magnetometer [rad²] (theta)
   T R_force = T(1e4);         ///< accelerometer, per axis [m²/s⁴]
@@ -56,31 +56,35 @@ struct UquadFilterSettings {
   T R_gps_position = T(100);  ///< per axis [m²]
   T R_gps_velocity = T(100);  ///< per axis [m²/s²]
   T R_vision = T(0.01);       ///< position from images, per axis [m²]
-  T gate = no_gate<T>();      ///< largest e²/S that a scalar measurement is believed with
+  T gate = no_gate<T>();      ///< largest accepted e²/S of a scalar measurement
 
-  /// false: the 8 states of the program without GPS. px and py stand as they are, u and v are 0,
-  /// all four without error; GPS and vision are not looked at.
+  /// false: the 8 states of the program without GPS. px and py are constant, u and v are 0, all
+  /// four without error; GPS and vision are ignored.
   bool position = true;
   bool biases = true;  ///< false: the accelerometer's biases are 0
 
-  /// The field is turned level by the accelerometer's tilt, as the original does, or by the
-  /// estimated one, which is better in flight, where the accelerometer feels mostly the motion.
+  /// Tilt with which the field is projected on the horizontal plane: that of the accelerometer
+  /// (false), as in the original, or the estimate (true), which is better in flight, where the
+  /// accelerometer mainly measures the motion.
   bool yaw_by_estimated_tilt = false;
 
-  /// Variances of tilt and yaw times 1 + (d/band)², d the relative distance of |f| from g, for the
-  /// yaw also that of |field| from its expected value.
+  /// Multiplies the variances of tilt and yaw by 1 + (d/band)², with d the relative difference of
+  /// |f| from g and, for the yaw, also that of |field| from its expected value.
   bool dynamic_covariance = false;
-  T force_band = T(0.1);  ///< share of g, > 0
-  T field_band = T(0.1);  ///< share of field_norm, > 0
-  T field_norm = T(0);    ///< [µT]; 0: the mean while standing still, or never missed
-  T declination = T(0);   ///< of magnetic north, east positive [rad]
-  /// [Pa] at z = 0; the mean while standing still takes its place, at the z given at the start.
+  T force_band = T(0.1);  ///< fraction of g, > 0
+  T field_band = T(0.1);  ///< fraction of field_norm, > 0
+  T field_norm = T(0);    ///< [µT]; 0: the mean during calibration, or no test without calibration
+  T declination = T(0);   ///< of magnetic north, positive to the east [rad]
+  /// [Pa] at z = 0. The calibration replaces it by its mean, which refers to the z of the initial
+  /// state.
   T reference_pressure = T(101325);
-  /// Time without GPS and vision after which u and v are measured as 0 in every period, with
-  /// still_variance [s]: nothing else sees them, and their covariance would grow without bound.
+  /// Time without GPS and vision after which u and v are measured as 0 with zero_velocity_variance in every
+  /// period [s]. No other sensor observes them, and their covariance would grow without bound.
   T gps_timeout = T(3);
-  T still_variance = T(100);      ///< [m²/s²]; 100 at 100 Hz says 0 ± 1 m/s about once a second
-  T standing_variance = T(0.01);  ///< of the velocity 0 while the vehicle stands [m²/s²]
+  /// [m²/s²]; 100 at 100 Hz is equivalent to 0 ± 1 m/s about once per second
+  T zero_velocity_variance = T(100);
+  /// Variance of the zero velocity while the vehicle stands on the ground [m²/s²]
+  T standing_variance = T(0.01);
 
   /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
   /// differ in precision: one visitor converts, compares and serializes.
@@ -109,7 +113,7 @@ struct UquadFilterSettings {
     f("declination", s.declination...);
     f("reference_pressure", s.reference_pressure...);
     f("gps_timeout", s.gps_timeout...);
-    f("still_variance", s.still_variance...);
+    f("still_variance", s.zero_velocity_variance...);
     f("standing_variance", s.standing_variance...);
   }
 
@@ -124,11 +128,11 @@ template <class To, class From>
   return to;
 }
 
-/// The same filter with variances that describe a small multirotor with sensors of MEMS grade: the
-/// model is believed to 1 m/s² and 10 rad/s² of white acceleration at 100 Hz, the gyroscope to
-/// 0.02 rad/s, the accelerometer to 0.3 m/s², the barometer to 0.5 m, GPS to 1 m and 0.3 m/s. Tilt
-/// from the accelerometer has a standard deviation of 0.5 rad, since in flight it is mostly
-/// acceleration. A choice of this project, not of the uquad's.
+/// The same filter with variances for a small multirotor with MEMS sensors. Standard deviations: 1
+/// m/s² and 10 rad/s² of white acceleration at 100 Hz for the model, 0.02 rad/s for the gyroscope,
+/// 0.3 m/s² for the accelerometer, 0.5 m for the barometer, 1 m and 0.3 m/s for GPS. Tilt from the
+/// accelerometer has 0.5 rad, since in flight it is dominated by acceleration. These values are a
+/// choice of this project, not of the uquad's.
 template <class T>
 [[nodiscard]] UquadFilterSettings<T> uquad_filter_in_si() {
   UquadFilterSettings<T> settings;
@@ -146,20 +150,20 @@ template <class T>
   return settings;
 }
 
-/// What is kept from one period to the next. A copy of it resumes identically.
+/// Filter state between control periods. A copy resumes identically.
 template <class T>
 struct UquadFilterState {
   KalmanState<T, kUquadStates> kalman;
-  Vector3<T> gyro_offset = Vector3<T>::Zero();  ///< found while standing [rad/s]
+  Vector3<T> gyro_offset = Vector3<T>::Zero();  ///< computed by the calibration [rad/s]
   T pressure_zero = T(0);                       ///< pressure at start_z [Pa]
   T start_z = T(0);                             ///< [m]
-  T field_norm = T(0);                          ///< expected [µT]; 0: not known
-  Tilt<T> tilt;                                 ///< newest of the accelerometer
+  T field_norm = T(0);                          ///< expected [µT]; 0: unknown
+  Tilt<T> tilt;                                 ///< newest tilt of the accelerometer
   T force_excess = T(0);                        ///< newest | |f|/g - 1 |
-  T gps_age = T(0);                             ///< since GPS or vision was last believed [s]
+  T gps_age = T(0);                             ///< since GPS or vision was last accepted [s]
 
   std::int64_t periods = 0;                  ///< since the start
-  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
+  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< during the calibration
   Vector3<T> force_sum = Vector3<T>::Zero();
   Vector3<T> field_sum = Vector3<T>::Zero();
   T pressure_sum = T(0);
@@ -169,19 +173,19 @@ struct UquadFilterState {
   T pressure_count = T(0);
 };
 
-/// The uquad's measurement vector of one period, with what is new of it.
+/// The uquad's measurement vector of one period, with flags for fresh entries.
 template <class T>
 struct UquadMeasurement {
   Tilt<T> tilt;                                  ///< [rad]
   T yaw = T(0);                                  ///< in any turn [rad]
-  Vector3<T> force = Vector3<T>::Zero();         ///< specific force, with its bias [m/s²]
+  Vector3<T> force = Vector3<T>::Zero();         ///< specific force, bias included [m/s²]
   Vector3<T> rates = Vector3<T>::Zero();         ///< [rad/s]
   T height = T(0);                               ///< above z = 0 [m]
   Vector3<T> gps_position = Vector3<T>::Zero();  ///< world [m]
   Vector3<T> gps_velocity = Vector3<T>::Zero();  ///< world [m/s]
-  Vector3<T> vision = Vector3<T>::Zero();        ///< world [m], brought to now
-  T tilt_doubt = T(1);                           ///< factor of R_tilt
-  T yaw_doubt = T(1);                            ///< factor of R_yaw
+  Vector3<T> vision = Vector3<T>::Zero();        ///< world [m], propagated to the present
+  T tilt_variance_factor = T(1);                 ///< factor of R_tilt
+  T yaw_variance_factor = T(1);                  ///< factor of R_yaw
   MaskOf<T> tilt_fresh{};
   MaskOf<T> yaw_fresh{};
   MaskOf<T> force_fresh{};
@@ -192,8 +196,8 @@ struct UquadMeasurement {
   MaskOf<T> vision_fresh{};
 };
 
-/// Height above where the pressure is p0, of a standard troposphere [m].
-/// @param pressure, p0  [Pa], > 0.
+/// Height above the level with pressure p0, in a standard troposphere [m].
+/// @param pressure, p0  [Pa], > 0
 template <class T>
 [[nodiscard]] T barometric_height(const T& pressure, const T& p0) {
   using std::exp, std::log;
@@ -201,7 +205,7 @@ template <class T>
   return T(44330) * (T(1) - T(exp(T(0.190295) * T(log(pressure / p0)))));
 }
 
-/// The pressure at a height [m] by the same rule [Pa].
+/// Pressure at a height [m], the inverse of barometric_height() [Pa].
 template <class T>
 [[nodiscard]] T barometric_pressure(const T& height, const T& p0) {
   using std::exp, std::log;
@@ -210,7 +214,7 @@ template <class T>
 
 namespace uquad_filter_internal {
 
-/// What the filter does not estimate has neither error nor motion.
+/// Sets errors and motion of states that the filter does not estimate to zero.
 template <class T>
 void leave_out(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman) {
   const auto clear = [&kalman](int i) {
@@ -226,7 +230,7 @@ void leave_out(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStat
     for (int i = kForceBias; i < kUquadStates; ++i) clear(i);
 }
 
-/// M = (I + h A) M, block rows; M is (15 × 15).
+/// M = (I + h A) M by block rows; M is (15 × 15).
 template <class T>
 void advance_rows(const StateJacobian<T>& A, const T& h,
                   Eigen::Matrix<T, kUquadStates, kUquadStates>& M) {
@@ -248,8 +252,8 @@ void advance_rows(const StateJacobian<T>& A, const T& h,
 }  // namespace uquad_filter_internal
 
 /// x ← x + dt f(x, u),  P ← F P Fᵀ + Q with F = I + dt ∂f/∂x.
-/// @param loads     of the rotors at the speeds of the period that ends now.
-/// @param standing  where true the vehicle stands on the ground: nothing moves, F = I.
+/// @param loads     rotor loads at the speeds of the period that ends now
+/// @param standing  whether the vehicle stands on the ground: nothing moves, F = I
 template <class T>
 void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
              const RigidBody& body, const RotorLoads<T>& loads, const MaskOf<T>& standing) {
@@ -260,7 +264,7 @@ void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates
   kalman.x.template head<12>() += state_derivative(body, x, loads) * h;
   if (!settings.position) kalman.x.template head<2>() = x.template head<2>();
 
-  // F P Fᵀ = (F (F P)ᵀ)ᵀ, and P is symmetric.
+  // F P Fᵀ = (F (F P)ᵀ)ᵀ since P is symmetric.
   internal::advance_rows(A, h, kalman.P);
   kalman.P.transposeInPlace();
   internal::advance_rows(A, h, kalman.P);
@@ -269,11 +273,11 @@ void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates
   internal::leave_out(settings, kalman);
 }
 
-/// Corrects by all that is new in a measurement, one scalar at a time, so that nothing is inverted.
-/// Rows that depend on the state are linearized once for their group, which makes the group's
-/// result that of a correction by all three at once.
-/// @param seen  gathers height_used, innovation_square and innovation_freedom.
-/// @return  whether GPS or vision was believed.
+/// Corrects by all fresh entries of a measurement, one scalar at a time, so that no matrix is
+/// inverted. Rows that depend on the state are linearized once per group, which gives the same
+/// result as a simultaneous correction by all three scalars of the group.
+/// @param seen  accumulates height_used, innovation_square and innovation_freedom
+/// @return  whether GPS or vision was accepted
 template <class T>
 MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
                   const RigidBody& body, const RotorLoads<T>& loads,
@@ -287,13 +291,14 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
   };
   const auto entry = [](int i) { return SparseRow<T, 1>{{i}, {T(1)}}; };
 
-  // Angles; the innovation is less than half a turn, so the state's yaw runs on through turns.
+  // Angles: each innovation is wrapped to half a turn, so that the state's yaw is continuous over
+  // turns.
   const MaskOf<T>& tilt_fresh = measurement.tilt_fresh;
-  const T R_tilt = settings.R_tilt * measurement.tilt_doubt;
-  use(entry(kAttitude), wrapped(T(measurement.tilt.roll - x(kAttitude))), R_tilt, tilt_fresh);
+  const T R_tilt = settings.R_tilt * measurement.tilt_variance_factor;
+  use(entry(kAttitude), wrap_angle(T(measurement.tilt.roll - x(kAttitude))), R_tilt, tilt_fresh);
   use(entry(kAttitude + 1), T(measurement.tilt.pitch - x(kAttitude + 1)), R_tilt, tilt_fresh);
-  use(entry(kAttitude + 2), wrapped(T(measurement.yaw - x(kAttitude + 2))),
-      T(settings.R_yaw * measurement.yaw_doubt), measurement.yaw_fresh);
+  use(entry(kAttitude + 2), wrap_angle(T(measurement.yaw - x(kAttitude + 2))),
+      T(settings.R_yaw * measurement.yaw_variance_factor), measurement.yaw_fresh);
 
   // Specific force: (rotors + drag)/m + bias.
   if (any(measurement.force_fresh)) {
@@ -320,14 +325,14 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
   MaskOf<T> believed{};
   if (settings.position && any(measurement.gps_position_fresh))
     for (int i = 0; i < 3; ++i)
-      believed = either(believed,
-                        use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
-                            settings.R_gps_position, measurement.gps_position_fresh));
+      believed = logical_or(
+          believed, use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
+                        settings.R_gps_position, measurement.gps_position_fresh));
   if (settings.position && any(measurement.vision_fresh))
     for (int i = 0; i < 3; ++i)
-      believed =
-          either(believed, use(entry(kPosition + i), T(measurement.vision(i) - x(kPosition + i)),
-                               settings.R_vision, measurement.vision_fresh));
+      believed = logical_or(believed,
+                            use(entry(kPosition + i), T(measurement.vision(i) - x(kPosition + i)),
+                                settings.R_vision, measurement.vision_fresh));
   if (settings.position && any(measurement.gps_velocity_fresh)) {
     // R_WB v
     const UquadVector<T> x0 = x;
@@ -341,16 +346,16 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
       T expected = v0(i);
       for (std::size_t k = 0; k < 6; ++k)
         expected += C.value[k] * (x(C.column[k]) - x0(C.column[k]));
-      believed = either(believed, use(C, T(measurement.gps_velocity(i) - expected),
-                                      settings.R_gps_velocity, measurement.gps_velocity_fresh));
+      believed = logical_or(believed, use(C, T(measurement.gps_velocity(i) - expected),
+                                          settings.R_gps_velocity, measurement.gps_velocity_fresh));
     }
   }
   symmetrize(kalman.P);
   return believed;
 }
 
-/// The state of a filter that is told where it is.
-/// @param x  the 12 states of ned_convention(), with the errors' variances settings.P0.
+/// Initial state of a filter for a known motion.
+/// @param x  the 12 states of ned_convention(); settings.P0 are the variances of their errors
 template <class T>
 [[nodiscard]] UquadFilterState<T> uquad_filter_start(const UquadFilterSettings<T>& settings,
                                                      const StateVector<T>& x) {
@@ -364,18 +369,19 @@ template <class T>
   return state;
 }
 
-/// The oldest image whose position is used [s]: the vehicle flies on while it is read.
+/// The oldest image whose position is used [s]: the vehicle moves on while the image is processed.
 inline constexpr double kMaxVisionAge = 1;
 
-/// What the sensors of one period say, as the filter takes it. Tilt is that of the accelerometer
-/// less its estimated bias; the yaw takes the newest tilt with the field. Not finite is not fresh.
+/// Converts the samples of one period to the filter's measurement. Tilt is computed from the
+/// accelerometer minus its estimated bias, yaw from the field and the newest tilt. Samples that are
+/// not finite count as not fresh.
 template <class T>
 [[nodiscard]] UquadMeasurement<T> uquad_measurement(const UquadFilterSettings<T>& settings,
                                                     UquadFilterState<T>& state,
                                                     const SensorFrame<T>& frame, const T& gravity) {
   using std::sqrt;
   const auto fresh = [](const auto& sample) {
-    return both(sample.fresh, entries_are_finite<T>(sample.value));
+    return logical_and(sample.fresh, entries_are_finite<T>(sample.value));
   };
   UquadMeasurement<T> m;
   m.force_fresh = fresh(frame.specific_force);
@@ -387,57 +393,59 @@ template <class T>
   m.rates = frame.rates.value - state.gyro_offset;
   m.gps_position = frame.gps_position.value;
   m.gps_velocity = frame.gps_velocity.value;
-  m.vision_fresh = both(fresh(frame.vision),
-                        both(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
+  m.vision_fresh =
+      logical_and(fresh(frame.vision),
+                  logical_and(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
   if (any(m.vision_fresh)) {
-    // Images take long to read: the vehicle has flown on since.
+    // Image processing takes time, during which the vehicle has moved on.
     const UquadVector<T>& x = state.kalman.x;
     const Matrix3<T> R_WB = rotation_of_euler(x(kAttitude), x(kAttitude + 1), x(kAttitude + 2));
     m.vision = frame.vision.value + R_WB * x.template segment<3>(kVelocity) * frame.vision.age;
   }
 
   const Vector3<T> f = m.force - state.kalman.x.template tail<3>();
-  const Tilt<T> tilt = tilt_of_force(f);
+  const Tilt<T> tilt = tilt_from_force(f);
   const T f_norm = sqrt(f.squaredNorm());
-  // A falling body feels nothing, and what is left then points anywhere.
-  m.tilt_fresh = both(m.force_fresh, f_norm > T(0.1) * gravity);
+  // In free fall the specific force is near zero and its direction carries no information.
+  m.tilt_fresh = logical_and(m.force_fresh, f_norm > T(0.1) * gravity);
   state.tilt.roll = select(m.tilt_fresh, tilt.roll, state.tilt.roll);
   state.tilt.pitch = select(m.tilt_fresh, tilt.pitch, state.tilt.pitch);
   state.force_excess =
-      select(m.force_fresh, magnitude(T(f_norm / gravity - T(1))), state.force_excess);
+      select(m.force_fresh, abs_of(T(f_norm / gravity - T(1))), state.force_excess);
   m.tilt = state.tilt;
 
   const Vector3<T>& field = frame.magnetic_field.value;
   const Tilt<T> estimated = {state.kalman.x(kAttitude), state.kalman.x(kAttitude + 1)};
-  m.yaw = yaw_of_field(field, settings.yaw_by_estimated_tilt ? estimated : state.tilt,
-                       settings.declination);
+  m.yaw = yaw_from_field(field, settings.yaw_by_estimated_tilt ? estimated : state.tilt,
+                         settings.declination);
   if (settings.dynamic_covariance) {
     const T field_excess =
         select(state.field_norm > T(0),
-               magnitude(T(T(sqrt(field.squaredNorm())) / state.field_norm - T(1))), T(0));
+               abs_of(T(T(sqrt(field.squaredNorm())) / state.field_norm - T(1))), T(0));
     const T by_force = state.force_excess / settings.force_band;
     const T by_field = field_excess / settings.field_band;
-    m.tilt_doubt = T(1) + by_force * by_force;
-    m.yaw_doubt = m.tilt_doubt + by_field * by_field;
+    m.tilt_variance_factor = T(1) + by_force * by_force;
+    m.yaw_variance_factor = m.tilt_variance_factor + by_field * by_field;
   }
 
   const T& pressure = frame.pressure.value;
-  m.height_fresh = both(both(frame.pressure.fresh, is_finite(pressure)), pressure > T(0));
+  m.height_fresh =
+      logical_and(logical_and(frame.pressure.fresh, is_finite(pressure)), pressure > T(0));
   const T safe_pressure = select(m.height_fresh, pressure, state.pressure_zero);
   m.height = barometric_height(safe_pressure, state.pressure_zero) - state.start_z;
   return m;
 }
 
-/// One control period: prediction by the rotor speeds of the period that ends now, correction by
-/// what the sensors said in it.
+/// Processes one control period: prediction by the rotor speeds of the period that ends now,
+/// correction by the samples that arrived in it.
 ///
-/// During settings.calibration_time the vehicle stands still: the means of that time give the
-/// gyroscope's offset, the pressure at the start, the attitude and, unless it is set, the expected
-/// field; the estimate stays where it started. The offset of the accelerometer that the filter
-/// started with is subtracted from its mean, and a sensor that said nothing changes nothing.
-/// @param speeds    one per rotor [rad/s].
-/// @param standing  where true the vehicle stands on the ground, and gravity does not make it fall:
-///                  velocity is measured as 0, the accelerometer only for its tilt.
+/// During settings.calibration_time the vehicle is stationary. The means over that time give the
+/// gyroscope offset, the pressure at the start, the attitude and, unless it is set, the expected
+/// field; the estimate keeps its initial value. The initial accelerometer bias is subtracted from
+/// the mean of the accelerometer. A sensor without samples changes nothing.
+/// @param speeds    one per rotor [rad/s]
+/// @param standing  whether the vehicle stands on the ground, where gravity does not accelerate it:
+///                  velocity is measured as 0, and the accelerometer is used for its tilt only
 template <class T>
 Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& state,
                  const SensorFrame<T>& frame, const RigidBody& body, const RotorSpeeds<T>& speeds,
@@ -465,18 +473,17 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
     if (elapsed() >= settings.calibration_time) {
       using std::sqrt;
       const auto mean = [](const Vector3<T>& sum, const T& count) {
-        return Vector3<T>(sum / greater(count, T(1)));
+        return Vector3<T>(sum / max_of(count, T(1)));
       };
       const Vector3<T> offset = mean(state.gyro_sum, state.gyro_count);
       const MaskOf<T> turning = state.gyro_count > T(0);
       for (int i = 0; i < 3; ++i)
         state.gyro_offset(i) = select(turning, offset(i), state.gyro_offset(i));
       const MaskOf<T> pressed = state.pressure_count > T(0);
-      state.pressure_zero =
-          select(pressed, T(state.pressure_sum / greater(state.pressure_count, T(1))),
-                 state.pressure_zero);
+      state.pressure_zero = select(
+          pressed, T(state.pressure_sum / max_of(state.pressure_count, T(1))), state.pressure_zero);
       state.start_z = select(pressed, state.start_z, T(0));
-      const Tilt<T> tilt = tilt_of_force(
+      const Tilt<T> tilt = tilt_from_force(
           Vector3<T>(mean(state.force_sum, state.force_count) - x.template tail<3>()));
       const MaskOf<T> felt = state.force_count > T(0);
       x(kAttitude) = select(felt, tilt.roll, x(kAttitude));
@@ -484,10 +491,10 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
       const Vector3<T> field = mean(state.field_sum, state.field_count);
       const MaskOf<T> turned = state.field_count > T(0);
       const T yaw =
-          yaw_of_field(field, Tilt<T>{x(kAttitude), x(kAttitude + 1)}, settings.declination);
+          yaw_from_field(field, Tilt<T>{x(kAttitude), x(kAttitude + 1)}, settings.declination);
       const T before = x(kAttitude + 2);
-      x(kAttitude + 2) = select(turned, T(before + wrapped(T(yaw - before))), before);
-      state.field_norm = select(both(turned, negated(settings.field_norm > T(0))),
+      x(kAttitude + 2) = select(turned, T(before + wrap_angle(T(yaw - before))), before);
+      state.field_norm = select(logical_and(turned, logical_not(settings.field_norm > T(0))),
                                 T(sqrt(field.squaredNorm())), state.field_norm);
     }
     estimate.x = x.template head<12>();
@@ -497,14 +504,15 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
 
   const RotorLoads<T> loads = rotor_loads(body, speeds);
   predict(settings, state.kalman, body, loads, standing);
-  m.force_fresh = both(m.force_fresh, negated(standing));
+  m.force_fresh = logical_and(m.force_fresh, logical_not(standing));
   const MaskOf<T> believed = correct(settings, state.kalman, body, loads, m, estimate);
   state.gps_age = select(believed, T(0), T(state.gps_age + T(settings.dt)));
-  const MaskOf<T> lost = both(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
+  const MaskOf<T> lost =
+      logical_and(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
   for (int i = 0; i < 3; ++i)
     update(state.kalman, SparseRow<T, 1>{{kVelocity + i}, {T(1)}}, T(-x(kVelocity + i)),
-           select(standing, settings.standing_variance, settings.still_variance),
-           i < 2 ? either(lost, standing) : standing);
+           select(standing, settings.standing_variance, settings.zero_velocity_variance),
+           i < 2 ? logical_or(lost, standing) : standing);
   symmetrize(state.kalman.P);
   ++state.periods;
   estimate.x = x.template head<12>();
@@ -512,8 +520,7 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
   return estimate;
 }
 
-/// Whether step() may run with these: dt > 0, variances ≥ 0 with every R > 0, bands > 0, pressure
-/// > 0.
+/// Validates the settings: dt > 0, variances ≥ 0 with every R > 0, bands > 0, pressure > 0.
 /// @throws InvalidInput  "where: R_tilt is 0 rad2, expected a positive number"
 void validate(const UquadFilterSettings<double>& settings, const std::string& where);
 void validate(const UquadFilterSettings<float>& settings, const std::string& where);

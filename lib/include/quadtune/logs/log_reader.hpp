@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any log, read row by row in constant memory: what channels it has, their numbers, its damage.
+/// Reads logs of any format row by row in constant memory: channels, values, damage.
 #pragma once
 
 #include <cstddef>
@@ -14,108 +14,114 @@ namespace quadtune {
 
 /// One recorded quantity.
 struct LogChannel {
-  std::string name;        ///< as the file calls it, without its unit: "z", "gyro_x", "values[1]"
-  std::string unit;        ///< e.g. "m/s^2"; "" where the file does not say
-  std::size_t column = 0;  ///< of a text, counted from 1; 0 where the file has no columns
+  std::string name;        ///< name in the file, without its unit: "z", "gyro_x", "values[1]"
+  std::string unit;        ///< e.g. "m/s^2"; empty if the file does not state it
+  std::size_t column = 0;  ///< column number of a text, from 1; 0 if the file has no columns
 
   friend bool operator==(const LogChannel&, const LogChannel&) = default;
 };
 
-/// Channels that share one clock: a topic, a sensor, or the one table of a text.
+/// Channels with a common clock: a topic, a sensor, or the table of a text file.
 struct LogGroup {
-  std::string name;  ///< e.g. "sensor_combined"; "" where the file has but one table
+  std::string name;  ///< e.g. "sensor_combined"; empty if the file has only one table
   std::vector<LogChannel> channels;
-  bool timed = true;  ///< false: nothing gives the rows a time, LogBlock::time holds NaN
+  bool timed = true;  ///< false: the rows have no times, LogBlock::time contains NaN
 };
 
-/// "group.channel", or the channel's name alone where the group has none.
+/// "group.channel", or only the channel's name if the group has no name.
 [[nodiscard]] std::string full_name(const LogGroup& group, const LogChannel& channel);
 
-/// Some rows of one group, in the order of the file.
+/// Consecutive rows of one group, in the order of the file.
 struct LogBlock {
-  std::size_t group = 0;       ///< in LogReader::groups()
-  std::vector<double> time;    ///< [s] after LogReader::epoch_s(), one a row
-  std::vector<double> values;  ///< row after row, one a channel; NaN where there is none
+  std::size_t group = 0;       ///< index into LogReader::groups()
+  std::vector<double> time;    ///< [s] since LogReader::epoch_s(), one per row
+  std::vector<double> values;  ///< row by row, one per channel; NaN if missing
 
   [[nodiscard]] std::size_t rows() const { return time.size(); }
 };
 
-/// What is wrong with a log. Complete only once the reader has come to the end.
+/// Damage and ambiguities of a log. Complete only after the reader has reached the end.
 struct LogCondition {
-  std::string torn;                ///< where and why the file ends too early; "" where it does not
-  std::uint64_t skipped = 0;       ///< records that could not be read and were passed over
-  std::string first_skipped;       ///< where the first of them stands, and why; "" without
-  std::uint64_t dropouts = 0;      ///< times at which the logger itself lost records, as it says
-  double dropout_s = 0;            ///< how long it lost them in all [s]
-  std::string unclear_time;        ///< why the unit of the time is not known; "" where it is. The
-                                   ///< times are then delivered as if they were seconds
-  std::vector<std::string> notes;  ///< what a user should know of how the file was taken
+  std::string torn;           ///< where and why the file is truncated; empty if it is not
+  std::uint64_t skipped = 0;  ///< number of records that could not be read
+  /// Location of the first of them and the reason; empty if there is none
+  std::string first_skipped;
+  std::uint64_t dropouts = 0;  ///< number of losses of records that the logger itself reports
+  double dropout_s = 0;        ///< total duration of these losses [s]
+  /// Why the unit of time is unknown; empty if it is known. Times are then delivered in seconds
+  std::string unclear_time;
+  /// Information for the user about the interpretation of the file
+  std::vector<std::string> notes;
 
-  /// False where something that the file should hold was not delivered.
+  /// False if data that the file should contain were not delivered.
   [[nodiscard]] bool whole() const { return torn.empty() && skipped == 0; }
 };
 
-/// A column of a text to be read, and what to call it.
+/// A column of a text to be read, and its name.
 struct LogColumnChoice {
-  std::string name;    ///< what to call it; "" takes all columns not chosen otherwise
-  std::string unit;    ///< "" keeps what the header says
-  std::string column;  ///< its number, counted from 1, or its name in the header
-  double ticks = 0;    ///< a part of the time, so many a second; 0 for a channel
+  std::string name;    ///< name of the channel; empty: all columns that are not selected otherwise
+  std::string unit;    ///< empty: the unit in the header
+  std::string column;  ///< its number, from 1, or its name in the header
+  double ticks = 0;    ///< for a part of the time: ticks per second; 0 for a channel
 };
 
-/// Understands "t_s:1, t_us:2, height[m]:19": items NAME[UNIT]:COLUMN. COLUMN is a number from 1 or
-/// a name of the header; without it, in a text without header, the column after the last one,
-/// otherwise the column of that name. A NAME that is t, time or timestamp, with its unit as in
-/// t_us, time[ns] or t[ms], is a part of the time (its values show a unit that is not stated);
-/// parts are added. The item * takes all other columns.
-/// @param where  What messages begin with, e.g. "--columns".
-/// @throws InvalidInput  for anything else.
+/// Parses a column selection such as "t_s:1, t_us:2, height[m]:19": items NAME[UNIT]:COLUMN. COLUMN
+/// is a number from 1 or a name in the header. Without COLUMN, the item selects the column of the
+/// same name or, if the text has no header, the column after the previous item. A NAME of t, time
+/// or timestamp, with its unit as in t_us, time[ns] or t[ms], is a part of the time (if the unit is
+/// not stated, it is inferred from the values); several parts are added. The item * selects all
+/// other columns.
+/// @param where  beginning of messages, e.g. "--columns"
+/// @throws InvalidInput  if the text is not a column selection
 [[nodiscard]] std::vector<LogColumnChoice> parse_log_columns(const std::string& text,
                                                              const std::string& where);
 
-/// How to read a log.
+/// Options for reading a log.
 struct LogOptions {
-  std::string format;                    ///< one of log_formats(); "" looks at the content
-  std::vector<LogColumnChoice> columns;  ///< of a text; none: all
-  double rate_hz = 0;                    ///< > 0: row i of a text is at i / rate, whatever it says
-  std::optional<std::int64_t> epoch_s;   ///< where time 0 lies in the file's clock [s]
-  std::size_t memory_limit = std::size_t{4} << 30;  ///< of all variables of a MAT file [bytes]
+  std::string format;                    ///< one of log_formats(); empty: detected from the content
+  std::vector<LogColumnChoice> columns;  ///< for text; empty: all columns
+  /// > 0: row i of a text is at time i / rate, even if the text contains times
+  double rate_hz = 0;
+  std::optional<std::int64_t> epoch_s;              ///< time 0 in the clock of the file [s]
+  std::size_t memory_limit = std::size_t{4} << 30;  ///< for all variables of a MAT file [bytes]
 };
 
-/// A name for LogOptions::format and what it means.
+/// A value of LogOptions::format and its description.
 struct LogFormat {
   std::string name;
   std::string summary;
 };
 [[nodiscard]] const std::vector<LogFormat>& log_formats();
 
-/// Delivers a log block by block. Copies of time are exact: integer times are subtracted as
-/// integers before they become seconds.
+/// Delivers a log block by block. Times are exact: the epoch is subtracted from integer times
+/// before these are converted to seconds.
 class LogReader {
  public:
   virtual ~LogReader() = default;
   LogReader(const LogReader&) = delete;
   LogReader& operator=(const LogReader&) = delete;
 
-  /// The next rows, in the order of the file; false at its end, `block` then being empty.
-  /// @throws FileError     if the file can no longer be read.
-  /// @throws InvalidInput  if nothing of the file can be read. What can be read of a torn one is
-  ///                       delivered, and condition() tells where it ends.
+  /// Reads the next rows, in the order of the file; false at its end, with an empty `block`.
+  /// @throws FileError     if the file can no longer be read
+  /// @throws InvalidInput  if no part of the file can be read. The readable part of a truncated
+  ///                       file is delivered, and condition() reports the truncation.
   [[nodiscard]] virtual bool next(LogBlock& block) = 0;
 
-  /// The groups that came so far. More may come with each block; those that came stay as they are.
+  /// The groups found so far. Each block may add groups; existing groups do not change.
   [[nodiscard]] const std::vector<LogGroup>& groups() const { return groups_; }
   [[nodiscard]] const LogCondition& condition() const { return condition_; }
   /// One of log_formats().
   [[nodiscard]] const std::string& format() const { return format_; }
-  /// Where time 0 lies in the file's clock [s]: 0, or the whole seconds of the first time where a
-  /// double would not hold nanoseconds beside it (1e6 s and more). Known with the first block.
+  /// Time 0 in the clock of the file [s]: 0, or the whole seconds of the first time if it is so
+  /// large (1e6 s and more) that a double would not resolve nanoseconds. Known after the first
+  /// block.
   [[nodiscard]] virtual std::int64_t epoch_s() const = 0;
 
  protected:
   explicit LogReader(std::string format) : format_(std::move(format)) {}
 
-  /// Adds a group; what no terminal and no JSON takes in its names and units becomes '?'.
+  /// Adds a group. Characters of its names and units that are invalid in terminals or JSON are
+  /// replaced by '?'.
   void add_group(LogGroup group);
 
   LogCondition condition_;
@@ -125,10 +131,10 @@ class LogReader {
   std::vector<LogGroup> groups_;
 };
 
-/// Opens a log by LogOptions::format, or by what its first bytes look like.
-/// @param path  A file; "-" is standard input.
-/// @throws FileError     if it cannot be read.
-/// @throws InvalidInput  if it is no log of that format, or options do not fit it.
+/// Opens a log in the format LogOptions::format, or detects the format from the first bytes.
+/// @param path  a file; "-" is standard input
+/// @throws FileError     if it cannot be read
+/// @throws InvalidInput  if it is not a log of that format, or the options do not fit the format
 [[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,
                                                   const LogOptions& options = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is in a log and what is odd about it, in one pass and in memory that does not grow with it.
+/// Contents and anomalies of a log, computed in one pass and in constant memory.
 #pragma once
 
 #include <cstddef>
@@ -12,35 +12,39 @@
 
 namespace quadtune {
 
-/// When something was recorded.
+/// Timing statistics of recorded rows.
 struct LogTiming {
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  double first_s = kNaN;         ///< the first time
-  double duration_s = 0;         ///< from the least time to the greatest
-  double period_s = kNaN;        ///< the median interval, to 1 %; NaN with fewer than two samples
-  double rate_hz = kNaN;         ///< over the intervals that are no gaps
-  std::uint64_t gaps = 0;        ///< intervals of more than 2.5 periods, to 1 % of a period
-  double longest_gap_s = 0;      ///< the longest of them; 0 without
-  std::uint64_t duplicates = 0;  ///< times equal to the one before
-  std::uint64_t backwards = 0;   ///< times before the one before
-  std::uint64_t forwards = 0;    ///< intervals of more than 10 s and 100 periods: the clock was set
+  double first_s = kNaN;  ///< the first time
+  double duration_s = 0;  ///< difference between maximum and minimum time
+  /// Median interval, with an error of at most 1 %; NaN with fewer than two samples
+  double period_s = kNaN;
+  double rate_hz = kNaN;  ///< over the intervals that are not gaps
+  /// Number of intervals of more than 2.5 periods, to within 1 % of a period
+  std::uint64_t gaps = 0;
+  double longest_gap_s = 0;      ///< the longest gap; 0 if there is none
+  std::uint64_t duplicates = 0;  ///< number of times equal to the previous one
+  std::uint64_t backwards = 0;   ///< number of times before the previous one
+  /// Number of intervals of more than 10 s and 100 periods, after which the clock was set
+  std::uint64_t forwards = 0;
 };
 
-/// One channel. Its timing is that of the rows in which it has a value.
+/// Statistics of one channel. Its timing covers the rows in which it has a value.
 struct LogChannelSurvey {
-  std::size_t group = 0;  ///< in LogSurvey::groups
+  std::size_t group = 0;  ///< index into LogSurvey::groups
   LogChannel channel;
   LogTiming timing;
-  std::uint64_t samples = 0;  ///< rows with a value
-  std::uint64_t nan = 0;      ///< rows without
+  std::uint64_t samples = 0;  ///< number of rows with a value
+  std::uint64_t nan = 0;      ///< number of rows without a value
   double min = LogTiming::kNaN;
   double max = LogTiming::kNaN;
   double mean = LogTiming::kNaN;
-  double std = LogTiming::kNaN;  ///< with n - 1; NaN with fewer than two samples
-  bool constant = false;         ///< two samples or more, all equal
-  /// The longest run of samples at the least or greatest value, where the channel moves otherwise
-  /// (in a quarter or more of the other samples), the run has 20 or more and did not begin with the
-  /// log; else 0.
+  /// Standard deviation, with divisor n - 1; NaN with fewer than two samples
+  double std = LogTiming::kNaN;
+  bool constant = false;  ///< at least two samples, all equal
+  /// Length of the longest run of samples at the minimum or maximum value, if the channel otherwise
+  /// varies (in at least a quarter of the other samples), the run has at least 20 samples and it
+  /// did not start at the beginning of the log; otherwise 0.
   std::uint64_t saturated = 0;
 };
 
@@ -53,14 +57,14 @@ struct LogGroupSurvey {
 struct LogSurvey {
   std::string format;
   std::int64_t epoch_s = 0;
-  double duration_s = 0;  ///< from the least time in the log to the greatest
+  double duration_s = 0;  ///< difference between maximum and minimum time in the log
   std::vector<LogGroupSurvey> groups;
-  std::vector<LogChannelSurvey> channels;  ///< group after group
+  std::vector<LogChannelSurvey> channels;  ///< of all groups, group by group
   LogCondition condition;
 };
 
 /// Reads the log to its end.
-/// @throws InvalidInput, FileError  as LogReader::next().
+/// @throws InvalidInput, FileError  as LogReader::next()
 [[nodiscard]] LogSurvey survey_log(LogReader& reader);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a vehicle's file does not say, and what is taken in its place.
+/// Values that a vehicle file leaves out, and the defaults used instead.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace quadtune {
 
-/// One key that the file does not have.
+/// One key that is missing in the file.
 struct AssumedValue {
-  std::string key;    ///< as in the file with its table, e.g. "rotor.lag_s"
-  std::string value;  ///< what is taken, with its unit, e.g. "0 s: speeds follow at once"
+  std::string key;    ///< name with its table, e.g. "rotor.lag_s"
+  std::string value;  ///< the default with its unit, e.g. "0 s: speeds follow at once"
 };
 
-/// Every key with a default that acts and that the vehicle's file leaves out, in the order of
-/// docs/formats.md. Of keys of the rotors those that no rotor has.
-/// @return  none for a vehicle that was made in memory
+/// All missing keys whose defaults affect the model, in the order of docs/formats.md. A key of the
+/// rotors is listed only if no rotor has it.
+/// @return  empty for a vehicle that was not read from a file
 [[nodiscard]] std::vector<AssumedValue> assumed_values(const Vehicle& vehicle);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The air that a vehicle flies in: the same everywhere, or the International Standard Atmosphere.
+/// The air that a vehicle flies in: uniform, or the International Standard Atmosphere.
 #pragma once
 
 namespace quadtune {
@@ -27,17 +27,18 @@ inline constexpr double kStandardAtmosphereCeiling = 20000;
 /// @throws InvalidInput  if density is not positive and finite.
 [[nodiscard]] Air air_of_density(double density);
 
-/// Which air a flight meets.
+/// Selects the model of the air.
 enum class AtmosphereModel {
-  still,     ///< the same everywhere
-  standard,  ///< changes with height
+  still,     ///< uniform
+  standard,  ///< varies with height
 };
 
 /// The air as a function of height.
 struct Atmosphere {
   AtmosphereModel model = AtmosphereModel::still;
-  Air air;                   ///< everywhere, in AtmosphereModel::still
-  double ground_height = 0;  ///< of the world's origin above mean sea level [m], in standard
+  Air air;  ///< uniform air, used by AtmosphereModel::still
+  /// Height of the world's origin above mean sea level [m], used by AtmosphereModel::standard.
+  double ground_height = 0;
 
   /// @param height  above the world's origin [m], that is -pz.
   [[nodiscard]] Air at(double height) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A battery: what its voltage does to the motors, and how long it lasts.
+/// A battery model: voltage under load and its effect on the motors, and charge.
 #pragma once
 
 #include <algorithm>
@@ -8,25 +8,25 @@
 
 namespace quadtune {
 
-/// Numbers of one battery, motors and speed controllers included.
+/// Parameters of a battery together with motors and speed controllers.
 struct Battery {
   double capacity = 0;        ///< [A s], > 0
-  double full_voltage = 0;    ///< without load [V], > empty_voltage
-  double empty_voltage = 0;   ///< without load, at no charge [V], > 0
-  double resistance = 0;      ///< inner [ohm], ≥ 0
-  double cutoff_voltage = 0;  ///< under load, below which the flight must end [V]
+  double full_voltage = 0;    ///< open-circuit, fully charged [V], > empty_voltage
+  double empty_voltage = 0;   ///< open-circuit, at zero charge [V], > 0
+  double resistance = 0;      ///< internal [ohm], ≥ 0
+  double cutoff_voltage = 0;  ///< under load; the flight must end below it [V]
   double efficiency = 0.7;    ///< power at the shafts over power drawn by the motors, (0, 1]
   double idle_power = 0;      ///< of the electronics [W], ≥ 0
-  /// The voltage at which the motors reach the vehicle's greatest speed [V].
+  /// The voltage at which the motors reach the vehicle's maximum speed [V].
   double rated_voltage = 0;
-  /// true: speeds are held by the speed controllers, and only the greatest one follows the voltage.
-  /// false: every speed is in proportion to it, and thrust falls with its square.
+  /// true: the speed controllers hold the speeds, and only the maximum speed depends on the
+  /// voltage. false: all speeds are proportional to the voltage, and thrust to its square.
   bool regulated = true;
 
   friend bool operator==(const Battery&, const Battery&) = default;
 };
 
-/// What is left of it.
+/// The state of a battery.
 template <class T>
 struct BatteryState {
   T charge = T(0);   ///< drawn so far [A s]
@@ -42,9 +42,9 @@ template <class T>
 
 /// One step under a load held for dt.
 ///
-/// The voltage without load falls in a line with the charge drawn. With V = V₀ - R I and V I = P
-/// the current is the smaller root; a power beyond V₀²/4R cannot be had: the voltage is then V₀/2
-/// and the current V₀/2R.
+/// The open-circuit voltage V₀ decreases linearly with the charge drawn. With V = V₀ - R I and V I
+/// = P, the current is the smaller root. A power above V₀²/4R cannot be supplied: the voltage is
+/// then V₀/2 and the current V₀/2R.
 /// @param shaft_power  of all rotors [W], ≥ 0
 template <class T>
 void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, double dt) {
@@ -53,13 +53,13 @@ void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, 
   const T open = T(battery.full_voltage) - used * T(battery.full_voltage - battery.empty_voltage);
   const T power = shaft_power * T(1 / battery.efficiency) + T(battery.idle_power);
   const T root = open * open - power * T(4 * battery.resistance);
-  state.voltage = (open + sqrt(greater(root, T(0)))) * T(0.5);
+  state.voltage = (open + sqrt(max_of(root, T(0)))) * T(0.5);
   state.current =
       select(root < T(0), state.voltage * T(1 / battery.resistance), power / state.voltage);
   state.charge += state.current * T(dt);
 }
 
-/// Speed over the speed at the rated voltage, of a motor given its full command.
+/// Ratio of the maximum motor speed at the present voltage to that at the rated voltage.
 template <class T>
 [[nodiscard]] T voltage_ratio(const Battery& battery, const BatteryState<T>& state) {
   return state.voltage * T(1 / battery.rated_voltage);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Wrench of the rotors and back, for any layout. Every sign follows from the rotors' positions and
-/// spins; no layout has a name here.
+/// Maps rotor speeds to the wrench and back, for any layout. All signs follow from the positions
+/// and spins of the rotors.
 ///
 /// The wrench is [T τx τy τz]: total thrust T ≥ 0 [N] along body -z, torques [N m] about the centre
 /// of mass in body axes forward-right-down.
@@ -14,7 +14,7 @@
 
 namespace quadtune {
 
-/// Wrench of rotors turning at w [rad/s], thrust and torque curves exactly as the vehicle has them.
+/// The wrench of rotors turning at w [rad/s], with the vehicle's exact thrust and torque curves.
 ///
 /// @param w              (n) rotor speeds in the order of vehicle.rotors; doubles or jets.
 /// @param density_ratio  Density of the air over vehicle.air_density.
@@ -36,73 +36,80 @@ template <class Derived>
   return wrench;
 }
 
-/// How far each component of the wrench alone, thrust, roll, pitch, yaw, may move either way from
-/// that at speeds w [rad/s] until a rotor meets a limit of its command, to first order [N, N m].
-/// 0 where no rotor moves it. The least-norm change of speeds is taken where there are many.
-/// @throws InvalidInput  if w has not one entry per rotor.
+/// By how much each component of the wrench alone (thrust, roll, pitch, yaw) can change in either
+/// direction from its value at speeds w [rad/s] until a rotor reaches a limit of its command, to
+/// first order [N, N m]. 0 if no rotor affects the component. With more than four rotors the speed
+/// change of least norm is used.
+/// @throws InvalidInput  unless w has one entry per rotor.
 [[nodiscard]] Eigen::Vector4d wrench_authority(const Vehicle& vehicle, const Eigen::VectorXd& w);
 
 /// ∂wrench/∂w at speeds w [rad/s], (4 × n).
-/// @throws InvalidInput  if w has not one entry per rotor.
+/// @throws InvalidInput  unless w has one entry per rotor.
 [[nodiscard]] Eigen::MatrixXd wrench_jacobian(const Vehicle& vehicle, const Eigen::VectorXd& w,
                                               double density_ratio = 1);
 
 /// Wrench per squared speed, (4 × n) [N s²/rad², N m s²/rad²]: wrench = M w².
-/// @throws InvalidInput  if a thrust or torque curve has a linear term, for then no such matrix is.
+/// @throws InvalidInput  if a thrust or torque curve has a linear term, since no such matrix exists
+///                       then.
 [[nodiscard]] Eigen::MatrixXd mixer_matrix(const Vehicle& vehicle);
 
 /// Wrench per rotor thrust, (4 × n) [1, m, m, m]: wrench = M T.
 /// @throws InvalidInput  if a rotor's drag torque is not proportional to its thrust.
 [[nodiscard]] Eigen::MatrixXd allocation_matrix(const Vehicle& vehicle);
 
-/// How the search for speeds ended.
+/// The outcome of a computation of rotor speeds.
 enum class MixStatus {
-  solved,      ///< the wrench is met within the limits
-  saturated,   ///< a motor's limit stops it: the speeds give the nearest that was found
-  infeasible,  ///< the layout cannot make this wrench at any speed
+  solved,  ///< the wrench is produced within the limits
+  /// Motors saturate: the speeds produce the nearest wrench that was found.
+  saturated,
+  infeasible,  ///< the layout cannot produce this wrench at any speed
 };
 
 /// "solved", "saturated" or "infeasible".
 [[nodiscard]] std::string to_string(MixStatus status);
 
-/// Speeds and how well they do.
+/// Rotor speeds and the wrench that they produce.
 struct MixResult {
   MixStatus status = MixStatus::infeasible;
-  Eigen::VectorXd w;        ///< (n) [rad/s], within the motor's limits whatever the status
-  Eigen::Vector4d wrench;   ///< that w gives [N, N m]
-  Eigen::Vector4d missing;  ///< asked minus given [N, N m]
-  double residual = 0;      ///< |missing|, each entry over what all rotors give at their greatest
+  Eigen::VectorXd w;        ///< (n) [rad/s], always within the motors' limits
+  Eigen::Vector4d wrench;   ///< wrench at speeds w [N, N m]
+  Eigen::Vector4d missing;  ///< requested minus produced wrench [N, N m]
+  /// Norm of `missing`, each entry divided by what all rotors produce at full speed.
+  double residual = 0;
   int iterations = 0;
-  std::string culprit;  ///< which rotor stands at which limit and what is missing; else empty
+  /// The saturated rotors, their limits and the missing wrench; empty if solved.
+  std::string culprit;
 
   [[nodiscard]] bool solved() const { return status == MixStatus::solved; }
 };
 
-/// Rotor speeds that give a wrench, by Newton steps on the exact curves. With more than four rotors
-/// each step is the least change of speeds; rotors that meet a limit stay there and the others
-/// share what is left.
+/// Computes rotor speeds that produce a wrench, by Newton's method on the exact curves. With more
+/// than four rotors each step is the speed change of least norm; rotors that reach a limit stay
+/// there, and the others share the rest.
 ///
-/// @param wrench         [T τx τy τz] wanted [N, N m].
+/// @param wrench         requested [T τx τy τz] [N, N m].
 /// @param density_ratio  Density of the air over vehicle.air_density, > 0.
-/// @throws InvalidInput  for entries that are not finite or a density ratio that is not positive.
+/// @throws InvalidInput  if an entry is not finite or the density ratio is not positive.
 [[nodiscard]] MixResult speeds_for_wrench(const Vehicle& vehicle, const Eigen::Vector4d& wrench,
                                           double density_ratio = 1);
 
-/// Lowest and greatest speed of the rotors [rad/s], from the motor's command limits.
-[[nodiscard]] double least_speed(const Vehicle& vehicle);
-[[nodiscard]] double greatest_speed(const Vehicle& vehicle);
+/// Minimum and maximum rotor speed [rad/s], from the motors' command limits.
+[[nodiscard]] double min_speed(const Vehicle& vehicle);
+[[nodiscard]] double max_speed(const Vehicle& vehicle);
 
-/// Sum of all thrusts at the greatest speed [N].
-[[nodiscard]] double greatest_thrust(const Vehicle& vehicle, double density_ratio = 1);
+/// Sum of all thrusts at the maximum speed [N].
+[[nodiscard]] double max_thrust(const Vehicle& vehicle, double density_ratio = 1);
 
-/// The same over the weight [1].
+/// The maximum thrust divided by the weight [1].
 [[nodiscard]] double thrust_to_weight(const Vehicle& vehicle);
 
-/// Greatest total thrust that the altitude loop may ask for [N]: altitude_thrust_fraction of it.
+/// Maximum thrust that the altitude loop may command [N]: altitude_thrust_fraction of
+/// max_thrust().
 [[nodiscard]] double altitude_thrust_limit(const Vehicle& vehicle);
 
 /// Motor command per newton of one rotor's thrust, for a squared-speed command [count/N].
-/// @throws InvalidInput  unless all rotors are alike, T = a2 w², and the command is squared speed.
+/// @throws InvalidInput  unless all rotors are identical, T = a2 w², and the command is a squared
+///                       speed.
 [[nodiscard]] double command_per_thrust(const Vehicle& vehicle);
 
 /// The Mambo project's mixer: thrusts t counted along body +z (so t < 0 lifts), rows
@@ -112,8 +119,8 @@ struct ThrustMixer {
   Eigen::Matrix4d Q2Ts;  ///< its inverse [1, 1/m, 1/m, 1/m]
 };
 
-/// @throws InvalidInput  unless the vehicle has four rotors whose drag torque is proportional to
-///                       their thrust and which can make every wrench.
+/// @throws InvalidInput  unless the vehicle has four rotors, their drag torques are proportional to
+///                       their thrusts, and they can produce every wrench.
 [[nodiscard]] ThrustMixer thrust_mixer(const Vehicle& vehicle);
 
 }  // namespace quadtune

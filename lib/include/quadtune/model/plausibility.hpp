@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Numbers of a vehicle that no multirotor is likely to have: most often a unit was taken for
-/// another.
+/// Values of a vehicle that are implausible for a multirotor, most often because of a wrong unit.
 #pragma once
 
 #include <string>
@@ -10,25 +9,25 @@
 
 namespace quadtune {
 
-/// One figure outside its plausible range.
+/// One quantity outside its plausible range.
 struct Implausibility {
   std::string quantity;  ///< in words, e.g. "thrust-to-weight"
-  std::string unit;      ///< "" of a ratio
+  std::string unit;      ///< empty for a ratio
   double value = 0;
-  double low = 0;     ///< of the plausible range
-  double high = 0;    ///< likewise
-  std::string cause;  ///< the likely one, e.g. "max_rad_s is in rpm"
+  double low = 0;     ///< lower end of the plausible range
+  double high = 0;    ///< upper end
+  std::string cause;  ///< the likely cause, e.g. "max_rad_s is in rpm"
 };
 
-/// Holds the vehicle against what multirotors of 5 g to 50 kg have: arm against mass, principal
-/// moments against mass times arm², thrust against weight, drag torque against thrust, rotor speed
-/// at hover against the room for a propeller, motor lag, rotor inertia, environment, battery.
+/// Compares the vehicle with multirotors of 5 g to 50 kg: arm length relative to mass, principal
+/// moments to mass times arm², thrust to weight, drag torque to thrust, hover speed to the space
+/// for a propeller; also motor lag, rotor inertia, environment and battery.
 ///
-/// The ranges are wide: a factor of 100 is seen in each figure, a factor of 3 in none. A vehicle
-/// may well be outside one; that is a reason to look, not an error.
-/// @param vehicle  one that validate() accepts
+/// The ranges are wide: a factor of 100 is detected in every quantity, a factor of 3 in none. A
+/// valid vehicle may be outside a range, so this is a hint and not an error.
+/// @param vehicle  accepted by validate()
 /// Theory: "Plausible vehicles".
-[[nodiscard]] std::vector<Implausibility> implausible(const Vehicle& vehicle);
+[[nodiscard]] std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle);
 
 /// "thrust-to-weight is 138.7, plausible is 1 to 10: max_rad_s may be in rpm".
 [[nodiscard]] std::string to_string(const Implausibility& figure);

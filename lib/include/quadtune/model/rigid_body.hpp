@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The equations of motion of a multirotor, one function template over the scalar: doubles
-/// simulate, Ceres jets give exact Jacobians. Derivation and sources: docs/theory.md, "Rigid body".
+/// The equations of motion of a multirotor, templates over the scalar: evaluated with doubles for
+/// simulation and with Ceres jets for exact Jacobians. Derivation and sources: docs/theory.md,
+/// "Rigid body".
 #pragma once
 
 #include <Eigen/Core>
@@ -14,10 +15,10 @@
 
 namespace quadtune {
 
-/// More rotors than any multirotor in use; a bound keeps the equations free of allocation.
+/// Maximum number of rotors; the bound keeps the equations free of allocations.
 inline constexpr int kMaxRotors = 16;
 
-/// Where the parts of the 12 states begin.
+/// Index of the first entry of each part of the 12 states.
 inline constexpr int kPosition = 0;  ///< px py pz, world north-east-down [m]
 inline constexpr int kAttitude = 3;  ///< roll pitch yaw [rad]
 inline constexpr int kVelocity = 6;  ///< u v w, body axes [m/s]
@@ -27,9 +28,9 @@ inline constexpr int kRates = 9;     ///< p q r, body axes [rad/s]
 template <class T>
 using StateVector = Eigen::Matrix<T, 12, 1>;
 
-/// [position(3) qw qx qy qz velocity(3) rates(3)]: the same without the singularity at ±90° of
-/// pitch. The quaternion takes body components to world ones and has unit norm; whoever integrates
-/// it restores the norm.
+/// [position(3) qw qx qy qz velocity(3) rates(3)]: the same without the singularity at a pitch of
+/// ±90°. The quaternion rotates body components to world components and has unit norm; the
+/// integrator must renormalize it.
 template <class T>
 using QuaternionState = Eigen::Matrix<T, 13, 1>;
 
@@ -37,33 +38,33 @@ using QuaternionState = Eigen::Matrix<T, 13, 1>;
 template <class T>
 using RotorSpeeds = Eigen::Matrix<T, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRotors, 1>;
 
-/// What the equations need of one rotor, in numbers that may differ from flight to flight.
+/// The parameters of one rotor that the equations need; they may vary between flights.
 template <class P>
 struct BasicRotor {
   Vector3<P> position = Vector3<P>::Zero();  ///< of the hub from the centre of mass, body axes [m]
   P spin = P(1);                             ///< spin_sign()
-  P thrust_a2 = P(0);                        ///< curves as of Rotor
+  P thrust_a2 = P(0);                        ///< curves as in Rotor
   P thrust_a1 = P(0);
   P torque_d2 = P(0);
   P torque_d1 = P(0);
-  P inertia = P(0);   ///< of the turning parts about the axis [kg m²]
-  P lag = P(0);       ///< of the speed while it rises [s]; 0 means none
-  P lag_down = P(0);  ///< while it falls
-  P drag = P(0);      ///< airflow at the hub, as of Rotor
+  P inertia = P(0);   ///< of the rotating parts about the axis [kg m²]
+  P lag = P(0);       ///< time constant while the speed rises [s]; 0 means none
+  P lag_down = P(0);  ///< while the speed falls
+  P drag = P(0);      ///< aerodynamics of the moving hub, as in Rotor
   P inflow = P(0);
   P flapping = P(0);
-  P ground_radius = P(0);  ///< radius where the rotor has ground effect [m], else 0
+  P ground_radius = P(0);  ///< radius of a rotor with ground effect [m], else 0
 };
 
-/// What the equations need of a vehicle, with the inertia's inverse made once. P is a double, or a
-/// Pack for several vehicles at once.
+/// The parameters of a vehicle that the equations need, with a precomputed inverse of the inertia.
+/// P is a double, or a Pack for several vehicles at once.
 template <class P>
 struct BasicRigidBody {
   BasicRigidBody() = default;
   /// For P = double.
   /// @param vehicle        mass > 0, inertia symmetric positive definite, 1..kMaxRotors rotors.
   /// @param ratio          air density over vehicle.air_density, ≥ 0.
-  /// @throws InvalidInput  naming the field and what came.
+  /// @throws InvalidInput  with the field and its value.
   explicit BasicRigidBody(const Vehicle& vehicle, double ratio = 1)
       : BasicRigidBody(of_vehicle(vehicle, ratio)) {
     static_assert(std::is_same_v<P, double>, "a vehicle's numbers are doubles");
@@ -76,9 +77,9 @@ struct BasicRigidBody {
   Matrix3<P> J_inv;        ///< [1/(kg m²)]
   Vector3<P> cda;          ///< drag coefficient times area per body axis [m²]
   Vector3<P> linear_drag;  ///< per body axis [N s/m]
-  P air_density;           ///< where the vehicle flies [kg/m³]
-  P density_ratio;         ///< of that density to the one at which the rotor curves hold
-  // What the equations may leave out.
+  P air_density;           ///< at the place of the flight [kg/m³]
+  P density_ratio;         ///< air_density over the density of the rotor curves
+  // Terms that the equations may skip.
   bool has_drag = true;         ///< false: cda and linear_drag are 0
   bool principal_axes = false;  ///< true: J is diagonal
   bool has_airflow = false;     ///< true: a rotor has drag, inflow or flapping
@@ -92,16 +93,16 @@ struct BasicRigidBody {
 
 using RigidBody = BasicRigidBody<double>;
 
-/// What the rotors do to the body, in body axes.
+/// The loads of the rotors on the body, in body axes.
 template <class T>
 struct RotorLoads {
   Vector3<T> force = Vector3<T>::Zero();             ///< [N]
   Vector3<T> torque = Vector3<T>::Zero();            ///< about the centre of mass [N m]
-  Vector3<T> angular_momentum = Vector3<T>::Zero();  ///< of the turning parts, h [kg m²/s]
+  Vector3<T> angular_momentum = Vector3<T>::Zero();  ///< of the rotating parts, h [kg m²/s]
 };
 
-/// Adds one rotor: thrust along body -z at its hub, drag torque against its spin, momentum along
-/// it.
+/// Adds the loads of one rotor: thrust along body -z at its hub, drag torque against its spin, and
+/// angular momentum along its spin.
 /// @param thrust  [N];  @param torque  drag torque ≥ 0 [N m];  @param speed  [rad/s].
 template <class P, class T>
 void add_rotor(const BasicRotor<P>& rotor, const T& thrust, const T& torque, const T& speed,
@@ -109,7 +110,7 @@ void add_rotor(const BasicRotor<P>& rotor, const T& thrust, const T& torque, con
   loads.force.z() -= thrust;
   loads.torque.x() -= T(rotor.position.y()) * thrust;  // r × (0, 0, -T) = (-y T, x T, 0)
   loads.torque.y() += T(rotor.position.x()) * thrust;
-  loads.torque.z() -= T(rotor.spin) * torque;  // the air turns the body back
+  loads.torque.z() -= T(rotor.spin) * torque;                           // reaction of the air
   loads.angular_momentum.z() += T(rotor.spin * rotor.inertia) * speed;  // h = Σ J_r s w e_z
 }
 
@@ -129,7 +130,7 @@ template <class P, class Speeds>
   return loads;
 }
 
-/// Adds what the motion of the rotors' hubs through the air does, each with v = airspeed + w × r:
+/// Adds the effects of the hubs' motion through the air, each hub moving with v = airspeed + w × r:
 /// drag in the rotor's plane, thrust lost in a climb, and the moment of flapping. Linear in
 /// airspeed and rates.
 /// @param speeds    one per rotor [rad/s];  @param airspeed  of the centre of mass, body axes [m/s]
@@ -143,21 +144,21 @@ void add_airflow(const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>&
     const T vx = airspeed(0) + (rates(1) * z - rates(2) * y);
     const T vy = airspeed(1) + (rates(2) * x - rates(0) * z);
     const T vz = airspeed(2) + (rates(0) * y - rates(1) * x);
-    const T k = T(speeds(i)) * T(body.density_ratio);  // all go with the density
+    const T k = T(speeds(i)) * T(body.density_ratio);  // all terms scale with the density
     const T Fx = -T(rotor.drag) * k * vx, Fy = -T(rotor.drag) * k * vy;
     const T Fz = -T(rotor.inflow) * k * vz;
     loads.force.x() += Fx;
     loads.force.y() += Fy;
     loads.force.z() += Fz;
-    // r × F, and flapping, which tilts the disc back: v ahead pitches up, v to the right rolls
-    // left.
+    // r × F and flapping, which tilts the disc back: forward motion pitches up, motion to the right
+    // rolls left.
     loads.torque.x() += y * Fz - z * Fy - T(rotor.flapping) * k * vy;
     loads.torque.y() += z * Fx - x * Fz + T(rotor.flapping) * k * vx;
     loads.torque.z() += x * Fy - y * Fx;
   }
 }
 
-/// Loads of all rotors of a vehicle that moves through the air.
+/// The loads of all rotors of a vehicle that moves through the air.
 /// @param speeds    one per rotor [rad/s];  @param airspeed  body axes [m/s]
 /// @param rates     body axes [rad/s]
 template <class P, class Speeds>
@@ -170,19 +171,20 @@ template <class P, class Speeds>
   return loads;
 }
 
-/// Thrust of a rotor near the ground over that far from it, 1/(1 - (r/4h)²), with h no less than
-/// half the radius: at most 4/3. Source: Cheeseman and Bennett 1955.
-/// @param radius  r [m], 0: no effect;  @param height  of the hub above level ground, h [m]
+/// Ratio of a rotor's thrust at height h to its thrust far from the ground, 1/(1 - (r/4h)²), with h
+/// bounded below by half the radius, hence at most 4/3. Source: Cheeseman and Bennett 1955.
+/// @param radius  r [m], 0: no effect;  @param height  h of the hub above level ground [m]
 template <class T>
 [[nodiscard]] T ground_effect(const T& radius, const T& height) {
-  const T least = T(0.5) * radius;
-  const T ratio = select(radius > T(0), radius / (T(4) * greater(height, least)), T(0));
+  const T min = T(0.5) * radius;
+  const T ratio = select(radius > T(0), radius / (T(4) * max_of(height, min)), T(0));
   return T(1) / (T(1) - ratio * ratio);
 }
 
-/// Loads of a commanded wrench.
+/// The loads of a commanded wrench.
 /// @param wrench            [T, τx, τy, τz], thrust T along body -z [N, N m].
-/// @param angular_momentum  of the rotors along body z, which a wrench does not tell [kg m²/s].
+/// @param angular_momentum  of the rotors along body z, which does not follow from the wrench [kg
+///                          m²/s].
 template <class T>
 [[nodiscard]] RotorLoads<T> wrench_loads(const Eigen::Matrix<T, 4, 1>& wrench,
                                          double angular_momentum = 0) {
@@ -253,7 +255,7 @@ template <class P, class T>
           loads.torque(2) - (p * Ly - q * Lx)};
 }
 
-/// w' of a torque J w' [rad/s²].
+/// w' for the torque J w' [rad/s²].
 template <class P, class T>
 [[nodiscard, gnu::always_inline]] inline Vector3<T> angular_acceleration(
     const BasicRigidBody<P>& body, const Vector3<T>& torque) {
@@ -265,8 +267,8 @@ template <class P, class T>
           T(I(2, 0)) * torque(0) + T(I(2, 1)) * torque(1) + T(I(2, 2)) * torque(2)};
 }
 
-/// x' of the 12 states with Euler angles. Not for |pitch| near 90°, see euler_angles_are_regular():
-/// there the rates of roll and yaw grow without bound.
+/// x' of the 12 states with Euler angles. Not valid for |pitch| near 90°, see
+/// euler_angles_are_regular(): the rates of roll and yaw are unbounded there.
 template <class P, class T>
 [[nodiscard]] StateVector<T> state_derivative(const BasicRigidBody<P>& body,
                                               const StateVector<T>& x, const RotorLoads<T>& loads) {
@@ -285,7 +287,7 @@ template <class P, class T>
   return derivative;
 }
 
-/// R_WB of a unit quaternion, written out.
+/// R_WB of a unit quaternion, with its entries expanded.
 template <class T>
 [[nodiscard, gnu::always_inline]] inline Matrix3<T> rotation_of_quaternion(const T& qw, const T& qx,
                                                                            const T& qy,
@@ -308,8 +310,8 @@ template <class T>
 }
 
 /// x' of the 13 states with a quaternion, regular in every attitude.
-/// @param x           13 numbers, the first of a longer state
-/// @param wind        velocity of the air, world axes [m/s]; nullptr: still
+/// @param x           13 numbers, the first entries of a longer state
+/// @param wind        velocity of the air, world axes [m/s]; nullptr: no wind
 /// @param derivative  13 numbers
 template <class P, class T, class From, class To>
 [[gnu::always_inline]] inline void rigid_motion(const BasicRigidBody<P>& body, const From& x,
@@ -349,7 +351,7 @@ template <class P, class T>
   return derivative;
 }
 
-/// The 13 states of the same motion, and back (roll 0 where the nose is straight up or down).
+/// Converts the 12 states to the 13 and back (roll is 0 if the nose points straight up or down).
 template <class T>
 [[nodiscard]] QuaternionState<T> quaternion_state(const StateVector<T>& x) {
   const Eigen::Quaternion<T> q = quaternion_of_euler(x(3), x(4), x(5));

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The Jacobian of the equations of motion written out, for filters that need it in every period.
-/// Elsewhere jets give it. Derivation: docs/theory.md, "Estimators on board".
+/// The Jacobian of the equations of motion in closed form, for filters that need it in every
+/// period. Elsewhere it is computed with jets. Derivation: docs/theory.md, "Estimators on board".
 #pragma once
 
 #include "quadtune/model/rigid_body.hpp"
 
 namespace quadtune {
 
-/// The 3 × 3 blocks of ∂x'/∂x that are not zero, named by rows and columns. Only the position's
-/// rate depends on the yaw: elsewhere the attitude's third column is 0.
+/// The nonzero 3 × 3 blocks of ∂x'/∂x, named by rows and columns. Only the position's rate depends
+/// on the yaw; in the other blocks the third column for the attitude is 0.
 template <class T>
 struct StateJacobian {
   Matrix3<T> position_attitude;
@@ -31,8 +31,8 @@ template <class T>
   return M;
 }
 
-/// ∂/∂x of state_derivative(body, x, loads) with 12 states and constant loads. Like that, not for
-/// |pitch| near 90°.
+/// ∂/∂x of state_derivative(body, x, loads) with 12 states and constant loads. Not valid for
+/// |pitch| near 90° either.
 template <class T>
 [[nodiscard]] StateJacobian<T> state_jacobian(const RigidBody& body, const StateVector<T>& x,
                                               const RotorLoads<T>& loads) {
@@ -49,10 +49,11 @@ template <class T>
       sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
       -sp, cp * sr, cp * cr;
   const Vector3<T> p = R * v;
-  // ∂R/∂roll exchanges the second and third column of R, ∂R/∂yaw turns p by a quarter about z.
+  // ∂R/∂roll exchanges the second and third column of R; ∂R/∂yaw rotates p' by 90° about z.
   A.position_attitude.col(0) = R.col(2) * v.y() - R.col(1) * v.z();
-  const T along = cp * v.x() + sp * (sr * v.y() + cr * v.z());  // of p', level and ahead
-  const T& p_ahead = p.z();                                     // ∂along/∂pitch
+  /// Horizontal component of p' along the heading.
+  const T along = cp * v.x() + sp * (sr * v.y() + cr * v.z());
+  const T& p_ahead = p.z();  // ∂along/∂pitch
   A.position_attitude.col(1) << cy * p_ahead, sy * p_ahead, -along;
   A.position_attitude.col(2) << -p.y(), p.x(), T(0);
 

@@ -14,16 +14,16 @@ using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 
-/// Below this |cos pitch| roll and yaw turn about nearly the same axis.
-inline constexpr double kLeastCosPitch = 1e-6;
+/// If |cos pitch| is smaller, roll and yaw rotate about nearly the same axis.
+inline constexpr double kMinCosPitch = 1e-6;
 
-/// False when the pitch is so near ±90° that the Euler angles, and rates of them, mean nothing.
-/// Ask before euler_rate_matrix(); the quaternion form of the equations has no such place.
+/// False if the pitch is so close to ±90° that the Euler angles and their rates are ill-defined.
+/// Check before euler_rate_matrix(); the quaternion form of the equations has no such singularity.
 [[nodiscard]] inline bool euler_angles_are_regular(double pitch) {
-  return std::abs(std::cos(pitch)) > kLeastCosPitch;  // false for NaN as well
+  return std::abs(std::cos(pitch)) > kMinCosPitch;  // false for NaN as well
 }
 
-/// R_WB = Rz(yaw) Ry(pitch) Rx(roll): takes body components to world components.
+/// R_WB = Rz(yaw) Ry(pitch) Rx(roll): rotates body components to world components.
 template <class T>
 [[nodiscard]] Matrix3<T> rotation_of_euler(const T& roll, const T& pitch, const T& yaw) {
   using std::cos, std::sin;
@@ -37,7 +37,7 @@ template <class T>
   return R;
 }
 
-/// w = M · (roll', pitch', yaw'): body rates from Euler rates.
+/// The matrix M in w = M · (roll', pitch', yaw'): body rates from Euler rates.
 template <class T>
 [[nodiscard]] Matrix3<T> body_rate_matrix(const T& roll, const T& pitch) {
   using std::cos, std::sin;
@@ -48,8 +48,8 @@ template <class T>
   return M;
 }
 
-/// (roll', pitch', yaw') = M · w: Euler rates from body rates, the inverse of body_rate_matrix().
-/// Its entries grow like 1/cos pitch; see euler_angles_are_regular().
+/// The matrix M in (roll', pitch', yaw') = M · w: Euler rates from body rates, the inverse of
+/// body_rate_matrix(). Its entries grow like 1/cos pitch; see euler_angles_are_regular().
 template <class T>
 [[nodiscard]] Matrix3<T> euler_rate_matrix(const T& roll, const T& pitch) {
   using std::cos, std::sin;
@@ -62,7 +62,7 @@ template <class T>
   return M;
 }
 
-/// The unit quaternion of the same rotation, scalar part from the half angles' cosines.
+/// The unit quaternion of the same rotation, computed from the half angles.
 template <class T>
 [[nodiscard]] Eigen::Quaternion<T> quaternion_of_euler(const T& roll, const T& pitch,
                                                        const T& yaw) {
@@ -74,19 +74,19 @@ template <class T>
           cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy};
 }
 
-/// (roll, pitch, yaw) of a rotation matrix; roll and yaw in (-π, π], pitch in [-π/2, π/2]. With the
-/// nose straight up or down only roll ∓ yaw is defined: roll is then given as 0.
+/// (roll, pitch, yaw) of a rotation matrix; roll and yaw in (-π, π], pitch in [-π/2, π/2]. If the
+/// nose points straight up or down, only roll ∓ yaw is defined and roll is returned as 0.
 template <class T>
 [[nodiscard]] Vector3<T> euler_of_rotation(const Matrix3<T>& R) {
   using std::atan2, std::sqrt;
   const T cos_pitch_squared = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
-  if (!(cos_pitch_squared > T(kLeastCosPitch * kLeastCosPitch)))
+  if (!(cos_pitch_squared > T(kMinCosPitch * kMinCosPitch)))
     return {T(0), atan2(-R(2, 0), T(0)), atan2(-R(0, 1), R(1, 1))};
   return {atan2(R(2, 1), R(2, 2)), atan2(-R(2, 0), sqrt(cos_pitch_squared)),
           atan2(R(1, 0), R(0, 0))};
 }
 
-/// (roll, pitch, yaw) of a unit quaternion; ranges as of euler_of_rotation().
+/// (roll, pitch, yaw) of a unit quaternion, in the ranges of euler_of_rotation().
 template <class T>
 [[nodiscard]] Vector3<T> euler_of_quaternion(const Eigen::Quaternion<T>& q) {
   return euler_of_rotation<T>(q.toRotationMatrix());

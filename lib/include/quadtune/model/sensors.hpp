@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a vehicle's sensors measure, how often, how late and how wrong.
+/// Sensor models of a vehicle: measured quantities, rates, delays and errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,14 @@
 
 namespace quadtune {
 
-/// The faults and the clock of a sensor of one to three axes, in its own unit.
+/// The errors and the timing of a sensor of one to three axes, in its own unit.
 ///
-/// A sample is taken every 1/rate seconds: what is true, through the second-order response, times
-/// scale, plus bias, plus noise, within ±limit, to the nearest quantum. It arrives `delay` later,
-/// or never.
+/// A sample is taken every 1/rate seconds: the true value, filtered by the second-order response,
+/// times scale, plus bias, plus noise, limited to ±limit, rounded to a multiple of quantum. It
+/// arrives after `delay`, or is lost.
 struct SensorFaults {
-  double rate = 0;   ///< [Hz], > 0
-  double delay = 0;  ///< from taking a sample to having it [s], ≥ 0
+  double rate = 0;                                  ///< [Hz], > 0
+  double delay = 0;                                 ///< from sampling to availability [s], ≥ 0
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< [1]
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< [unit]
   Eigen::Vector3d noise = Eigen::Vector3d::Zero();  ///< standard deviation of a sample [unit]
@@ -24,52 +24,55 @@ struct SensorFaults {
   double limit = std::numeric_limits<double>::infinity();  ///< [unit], > 0
   double quantum = 0;                                      ///< [unit], ≥ 0; 0: none
   double dropout = 0;  ///< probability that a sample is lost, 0 … 1
-  // Errors that change slowly. No estimator is told of them. theory.md, "Simulated flight".
+  // Slowly varying errors, which no estimator is given. theory.md, "Simulated flight".
   Eigen::Vector3d turn_on_bias =
       Eigen::Vector3d::Zero();                          ///< standard deviation, per flight [unit]
   Eigen::Vector3d bias_walk = Eigen::Vector3d::Zero();  ///< random walk [unit/√s]
-  Eigen::Vector3d correlated_noise = Eigen::Vector3d::Zero();  ///< of a Gauss-Markov error [unit]
-  double correlation = 0;  ///< its time constant [s]; > 0 where correlated_noise is
-  /// Of accelerometer and gyroscope: amplitude of a rotor's vibration over its speed squared
-  /// [unit s²/rad²].
+  /// Standard deviation of a Gauss-Markov error [unit].
+  Eigen::Vector3d correlated_noise = Eigen::Vector3d::Zero();
+  double correlation = 0;  ///< its time constant [s]; > 0 if correlated_noise is set
+  /// Accelerometer and gyroscope only: amplitude of the vibration of one rotor divided by its
+  /// squared speed [unit s²/rad²].
   Eigen::Vector3d vibration = Eigen::Vector3d::Zero();
 };
 
-/// Ultrasonic height: along body z down to level ground. No echo outside its gates.
+/// Ultrasonic range along body z to level ground. No echo outside its limits.
 struct SonarSensor {
-  SensorFaults faults;                                              ///< [m]
-  double least_range = 0;                                           ///< [m]
-  double greatest_range = std::numeric_limits<double>::infinity();  ///< [m]
-  double greatest_tilt = 0.6;  ///< beyond it the echo misses the sensor [rad]
+  SensorFaults faults;                                         ///< [m]
+  double min_range = 0;                                        ///< [m]
+  double max_range = std::numeric_limits<double>::infinity();  ///< [m]
+  double max_tilt = 0.6;  ///< at larger tilts the echo misses the sensor [rad]
 };
 
-/// The motion field averaged over the image of a camera that looks down.
+/// Optical flow: the motion field averaged over the image of a downward-looking camera.
 struct FlowSensor {
   SensorFaults faults;        ///< [rad/s]
   double half_field_x = 0.4;  ///< half the field of view along body x [rad]
   double half_field_y = 0.3;  ///< along body y [rad]
-  double least_height = 0.4;  ///< below it the image shows no motion that can be followed [m]
-  double greatest_height = std::numeric_limits<double>::infinity();  ///< nor above it [m]
-  double noise_per_height = 0;  ///< noise that grows with height, added in quadrature [rad/s/m]
-  double simplified_rate_gain = 0.8;  ///< of the package's simplified sensor, eq. 6.8 of its source
+  double min_height = 0.4;    ///< minimum height at which the motion can be tracked [m]
+  double max_height = std::numeric_limits<double>::infinity();  ///< maximum height [m]
+  /// Noise that is proportional to the height, added in quadrature [rad/s/m].
+  double noise_per_height = 0;
+  /// Rate gain of the simplified sensor of the source, eq. 6.8 there.
+  double simplified_rate_gain = 0.8;
 };
 
 /// Barometer.
 struct BarometerSensor {
   SensorFaults faults;  ///< [Pa]
-  /// Pressure at the world's origin [Pa] and its fall with height [Pa/m]; where the fall is NaN,
-  /// that of the standard atmosphere.
+  /// Pressure at the world's origin [Pa] and its decrease with height [Pa/m]; NaN selects the
+  /// decrease of the standard atmosphere.
   double ground_pressure = 101325;
   double fall = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Position and velocity by satellite, world axes.
+/// Position and velocity from satellite navigation, world axes.
 struct GpsSensor {
   SensorFaults position;                                          ///< [m]
   Eigen::Vector3d velocity_noise = Eigen::Vector3d::Constant(0);  ///< [m/s]
 };
 
-/// All sensors; one that is absent says nothing.
+/// All sensors; an empty one is not on board.
 struct Sensors {
   std::optional<SensorFaults> accelerometer;  ///< specific force, body axes [m/s²]
   std::optional<SensorFaults> gyroscope;      ///< body rates [rad/s]
@@ -78,16 +81,16 @@ struct Sensors {
   std::optional<SonarSensor> sonar;
   std::optional<FlowSensor> flow;
   std::optional<GpsSensor> gps;
-  /// Rates that the gyroscope shows per specific force, body axes [rad/s per m/s²].
+  /// Gyroscope error per specific force, body axes [rad/s per m/s²].
   Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();
-  /// Position from a camera's images of marks whose places are known, world axes [m].
+  /// Position from camera images of markers at known places, world axes [m].
   std::optional<SensorFaults> vision;
 };
 
-/// Sensors that say what is true, at the rates of `sensors`, at once.
+/// Error-free sensors without delay, at the rates of `sensors`.
 [[nodiscard]] Sensors ideal(Sensors sensors);
 
-/// What small vehicles carry whose own numbers are not known: inertial sensors at 200 Hz,
+/// Typical sensors of small vehicles, for vehicles without sensor data: inertial sensors at 200 Hz,
 /// magnetometer at 100 Hz, barometer at 50 Hz, sonar at 20 Hz, flow at 60 Hz, satellite at 1 Hz.
 [[nodiscard]] Sensors typical_sensors();
 

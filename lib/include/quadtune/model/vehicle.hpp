@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A multirotor in numbers: what every other stage starts from.
+/// The parameters of a multirotor, the input of all other stages.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,10 +18,10 @@
 
 namespace quadtune {
 
-/// Sense of a rotor seen from above.
+/// Direction of rotation of a rotor seen from above.
 enum class Spin { clockwise, counter_clockwise };
 
-/// +1 when the rotor turns about body +z (down), that is clockwise seen from above; else -1.
+/// +1 if the rotor turns about body +z (down), that is clockwise seen from above; else -1.
 [[nodiscard]] constexpr double spin_sign(Spin spin) { return spin == Spin::clockwise ? 1.0 : -1.0; }
 
 /// One rotor with its motor. Thrust acts along body -z at `position`; drag torque opposes the spin.
@@ -31,41 +31,47 @@ struct Rotor {
   Spin spin = Spin::clockwise;
   double thrust_a2 = 0;  ///< T = a2 w² + a1 w [N], at the vehicle's air density [N s²/rad²]
   double thrust_a1 = 0;  ///< [N s/rad]
-  double torque_d2 = 0;  ///< Q = d2 w² + d1 w [N m], likewise [N m s²/rad²]
+  double torque_d2 = 0;  ///< Q = d2 w² + d1 w [N m], at the same density [N m s²/rad²]
   double torque_d1 = 0;  ///< [N m s/rad]
-  double inertia = 0;    ///< of the turning parts about the axis [kg m²]
-  double lag = 0;  ///< first-order time constant of the speed while it rises [s], ≤ 1; 0: none
-  double lag_down = std::numeric_limits<double>::quiet_NaN();  ///< while it falls; NaN: as `lag`
-  // The hub moves through the air with v, body axes: theory.md, "Rigid body". All are ≥ 0.
-  double drag = 0;             ///< F = -drag w (v_x, v_y, 0) [N s²/(rad m)]
-  double inflow = 0;           ///< T grows by inflow w v_z, so climbing costs [N s²/(rad m)]
+  double inertia = 0;    ///< of the rotating parts about the axis [kg m²]
+  /// First-order time constant while the speed rises [s], ≤ 1; 0: none.
+  double lag = 0;
+  /// First-order time constant while the speed falls [s]; NaN: equal to `lag`.
+  double lag_down = std::numeric_limits<double>::quiet_NaN();
+  // The hub moves through the air with velocity v, body axes: theory.md, "Rigid body". All are ≥ 0.
+  double drag = 0;  ///< F = -drag w (v_x, v_y, 0) [N s²/(rad m)]
+  /// T grows by inflow w v_z, so a climb loses thrust [N s²/(rad m)].
+  double inflow = 0;
   double flapping = 0;         ///< M = flapping w (-v_y, v_x, 0) [N s²/rad]
-  bool ground_effect = false;  ///< T grows near the ground; needs the radius
-  double radius = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN when not known
-  double chord = std::numeric_limits<double>::quiet_NaN();   ///< [m]; NaN when not known
-  double Ct = std::numeric_limits<double>::quiet_NaN();  ///< T = Ct rho pi r⁴ w²; NaN: curve given
-  double Cq = std::numeric_limits<double>::quiet_NaN();  ///< Q = Cq rho pi r⁵ w²; NaN: curve given
-  int blades = 0;                                        ///< 0 when not known
+  bool ground_effect = false;  ///< T increases near the ground; requires the radius
+  double radius = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN if unknown
+  double chord = std::numeric_limits<double>::quiet_NaN();   ///< [m]; NaN if unknown
+  /// T = Ct rho pi r⁴ w²; NaN if the curve was given.
+  double Ct = std::numeric_limits<double>::quiet_NaN();
+  /// Q = Cq rho pi r⁵ w²; NaN if the curve was given.
+  double Cq = std::numeric_limits<double>::quiet_NaN();
+  int blades = 0;  ///< 0 if unknown
 };
 
-/// How a motor command becomes a rotor speed.
+/// The relation between a motor command and the rotor speed.
 enum class CommandLaw {
   speed,          ///< w = gain · command
   speed_squared,  ///< w² = gain · command
 };
 
-/// What the motors accept. Limits bound the rotor speed in every trim and every simulation.
+/// Commands that the motors accept. The limits bound the rotor speed in every trim and simulation.
 struct MotorCommand {
   CommandLaw law = CommandLaw::speed;
   double gain = 1;             ///< [rad/s per unit] or [rad²/s² per unit]
   std::string unit = "rad/s";  ///< of the command: "rad/s" or "count"
-  double min = 0;              ///< lowest command at which the rotor turns steadily
-  double max = 0;              ///< highest command
-  double quantum = 0;          ///< the command's smallest step; 0: none
+  double min = 0;              ///< minimum command at which the rotor turns steadily
+  double max = 0;              ///< maximum command
+  double quantum = 0;          ///< resolution of the command; 0: continuous
   double delay = 0;            ///< from the law's output to the motors' command [s], ≥ 0
-  double delay_jitter = 0;     ///< greatest further delay, uniform, drawn each period [s], ≥ 0
-  std::vector<int>
-      direction;  ///< sign that the flight code gives to each motor's command, ±1; empty: all +1
+  /// Maximum additional delay, drawn uniformly in each period [s], ≥ 0.
+  double delay_jitter = 0;
+  /// Sign that the flight code gives to each motor's command, ±1; empty: all +1.
+  std::vector<int> direction;
 };
 
 /// Body drag, per body axis i: F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i.
@@ -74,36 +80,37 @@ struct Drag {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();  ///< [N s/m]
 };
 
-/// Everything that is known of a vehicle. World north-east-down, body forward-right-down, SI.
+/// All parameters of a vehicle. World axes north-east-down, body axes forward-right-down, SI units.
 struct Vehicle {
   std::string name;
   std::string description;
-  std::string source;  ///< where the numbers come from
+  std::string source;  ///< reference for the numbers
   double mass = 0;     ///< [kg]
   Eigen::Matrix3d inertia =
       Eigen::Matrix3d::Zero();  ///< about the centre of mass, body axes [kg m²]
-  double inertia_tolerance =
-      0;                      ///< share by which measured moments may break the triangle inequality
+  /// Relative amount by which measured moments may violate the triangle inequality.
+  double inertia_tolerance = 0;
   std::vector<Rotor> rotors;  ///< at least one
   MotorCommand motor;
   Drag drag;
-  double gravity = 9.81;                ///< [m/s²]
-  double air_density = 1.225;           ///< at which the rotor curves hold [kg/m³]
-  double takeoff_gain = 0;              ///< thrust at take-off is (1 + gain) m g
-  double altitude_thrust_fraction = 1;  ///< share of the greatest thrust left to the altitude loop
-  std::optional<Battery> battery;       ///< none: a supply that never falls
+  double gravity = 9.81;       ///< [m/s²]
+  double air_density = 1.225;  ///< for which the rotor curves hold [kg/m³]
+  double takeoff_gain = 0;     ///< thrust at take-off is (1 + gain) m g
+  /// Fraction of the maximum thrust that the altitude loop may use.
+  double altitude_thrust_fraction = 1;
+  std::optional<Battery> battery;  ///< empty: an ideal supply of constant voltage
   Sensors sensors = typical_sensors();
-  bool sensors_known = false;  ///< whether the sensors are the vehicle's own
+  bool sensors_known = false;  ///< whether the sensors were given for this vehicle
   double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
   double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
-  /// Gains that fly on it today, to measure new ones by.
+  /// Published gains that the vehicle flies with, as a baseline for new designs.
   std::optional<PublishedCascade> published_cascade;
-  std::filesystem::path file;  ///< it was read from; empty when made in memory
-  std::string text;            ///< the file's bytes, for the manifest's hash
+  std::filesystem::path file;  ///< the file that was read; empty if made in memory
+  std::string text;            ///< the bytes of that file, for the manifest's hash
 };
 
-/// Thrust and drag torque of one rotor, a Rotor or a BasicRotor, at speed w [rad/s] in air of
-/// density `density_ratio` times the vehicle's.
+/// Thrust and drag torque of one rotor, a Rotor or a BasicRotor, at speed w [rad/s].
+/// `density_ratio` is the air density relative to that of the rotor curves.
 template <class AnyRotor, class T, class P = double>
 [[nodiscard]] T rotor_thrust(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.thrust_a2 * w * w + rotor.thrust_a1 * w) * density_ratio;  // T = a2 w² + a1 w [N]
@@ -113,12 +120,12 @@ template <class AnyRotor, class T, class P = double>
   return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
 }
 
-/// The longest lag of a rotor and the longest delay of a command that a vehicle may have [s].
-inline constexpr double kLongestLag = 1;
-inline constexpr double kLongestCommandDelay = 10;
+/// Maximum lag of a rotor and maximum delay of a command [s].
+inline constexpr double kMaxLag = 1;
+inline constexpr double kMaxCommandDelay = 10;
 
-/// Time constants of the speed while it falls, and the slower of both directions [s]. Linear models
-/// take the slower one.
+/// Time constant while the speed falls, and the larger one of both directions [s]. Linear models
+/// use the larger one.
 [[nodiscard]] inline double lag_down(const Rotor& rotor) {
   return std::isnan(rotor.lag_down) ? rotor.lag : rotor.lag_down;
 }
@@ -126,9 +133,9 @@ inline constexpr double kLongestCommandDelay = 10;
   return std::max(rotor.lag, lag_down(rotor));
 }
 
-/// Whether moving air changes the forces on a vehicle: body drag, or a rotor's drag, inflow or
-/// flapping.
-[[nodiscard]] inline bool feels_wind(const Vehicle& vehicle) {
+/// Whether the motion of the air affects the vehicle: it has body drag, or a rotor has drag, inflow
+/// or flapping.
+[[nodiscard]] inline bool has_aerodynamics(const Vehicle& vehicle) {
   if (!vehicle.drag.cda.isZero(0) || !vehicle.drag.linear.isZero(0)) return true;
   return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), [](const Rotor& rotor) {
     return rotor.drag > 0 || rotor.inflow > 0 || rotor.flapping > 0;
@@ -139,33 +146,33 @@ inline constexpr double kLongestCommandDelay = 10;
 [[nodiscard]] std::string to_string(Spin spin);
 [[nodiscard]] std::string to_string(CommandLaw law);
 
-/// Speed [rad/s] at which the rotor gives `thrust` ≥ 0 [N]: the larger root of the thrust curve.
+/// Speed [rad/s] at which the rotor produces `thrust` ≥ 0 [N]: the larger root of the thrust curve.
 /// @throws InvalidInput  if thrust is negative or not finite.
 [[nodiscard]] double rotor_speed_for_thrust(const Rotor& rotor, double thrust);
 
-/// Speed [rad/s] of a command, and back; limits are not applied.
+/// Converts a command to a speed [rad/s], and back; limits are not applied.
 /// @throws InvalidInput  if the argument is negative or not finite.
 [[nodiscard]] double speed_of_command(const MotorCommand& motor, double command);
 [[nodiscard]] double command_of_speed(const MotorCommand& motor, double speed);
 
-/// Checks everything that a vehicle must satisfy: positive mass, an inertia that a body can have,
-/// at least one rotor, curves that give thrust, limits in order, and rotors that do not all drag
-/// the body round the same way. Whether the thrust suffices is the trim's question, not asked here.
-/// @throws InvalidInput  naming the field, what came, what was expected and why.
+/// Validates a vehicle: positive mass, a physically possible inertia, at least one rotor, curves
+/// that produce thrust, ordered limits, and rotors whose drag torques do not all have the same
+/// sign. Whether the thrust is sufficient is checked by trim().
+/// @throws InvalidInput  with the field, its value, the expected range and the reason.
 void validate(const Vehicle& vehicle, const std::string& where);
 
-/// Largest vehicle file that is read [bytes].
+/// Maximum size of a vehicle file [bytes].
 inline constexpr std::size_t kVehicleFileLimit = std::size_t{1} << 20;
 
-/// Reads a built-in vehicle by name or a vehicle file by path (docs/formats.md). A word with a
-/// slash or that ends in ".toml" is a path, and so is any other that names no built-in vehicle but
-/// a file.
-/// @throws InvalidInput  "file:line: key …" for a bad file, or the nearest built-in name.
+/// Reads a built-in vehicle by name or a vehicle file by path (docs/formats.md). A word is a path
+/// if it contains a slash, ends in ".toml", or names an existing file but no built-in vehicle.
+/// @throws InvalidInput  "file:line: key …" for an invalid file; for an unknown name, with the
+///                       nearest built-in one.
 /// @throws FileError     if the file cannot be read.
 [[nodiscard]] Vehicle load_vehicle(const std::string& name_or_path);
 
 /// Parses a vehicle from the text of a file.
-/// @param origin  what messages call the file.
+/// @param origin  the file's name in messages.
 [[nodiscard]] Vehicle parse_vehicle(const std::string& text, const std::string& origin);
 
 /// Names of the built-in vehicles, in the order of the documentation.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The wind that a simulated flight meets: mean, gust and Dryden's turbulence.
+/// The wind in a simulated flight: mean wind, gust and Dryden turbulence.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,29 +14,29 @@
 
 namespace quadtune {
 
-/// Turbulence of [MIL-F-8785C] at low altitude, along and across the mean wind, sampled exactly.
+/// Low-altitude turbulence of [MIL-F-8785C], along and across the mean wind, sampled exactly.
 ///
-/// Along: white noise through σ √(2τ) / (1 + τ s); across and up: through
-/// σ √τ (1 + √3 τ s) / (1 + τ s)². τ = L / V with V the vehicle's level airspeed in the mean wind,
-/// at least 1 m/s.
+/// Along the wind, white noise is filtered by σ √(2τ) / (1 + τ s); across and vertically, by σ √τ
+/// (1 + √3 τ s) / (1 + τ s)². τ = L / V, where V is the horizontal airspeed of the vehicle in the
+/// mean wind, at least 1 m/s.
 struct DrydenNumbers {
-  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< standard deviations along, across, up [m/s]
+  /// Standard deviations along, across, vertical [m/s]
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
   Eigen::Vector3d length = Eigen::Vector3d::Ones();  ///< L [m]
-  Eigen::Vector3d tau = Eigen::Vector3d::Ones();     ///< L / V of a vehicle that hovers [s]
+  Eigen::Vector3d tau = Eigen::Vector3d::Ones();     ///< L / V of a hovering vehicle [s]
 };
-/// @throws InvalidInput  for a height out of 3 … 300 m, a turbulence below 0, a gust without
-/// length,
-///                       or numbers that are not finite
+/// @throws InvalidInput  if the height is outside 3 … 300 m, the turbulence is negative, a gust has
+///                       no length, or a number is not finite
 [[nodiscard]] DrydenNumbers dryden_numbers(const Wind& wind);
 
-/// One axis across the wind: two first-order stages in a row, with their joint noise. T is a double
-/// or a Pack. The state's covariance in the long run is [1 ½; ½ ½] whatever τ, so τ may change from
-/// sample to sample.
+/// Filter for one axis across the wind: two first-order stages in series with correlated noise. T
+/// is double or a Pack. The stationary covariance of the states is [1 ½; ½ ½] for every τ, so τ may
+/// change between samples.
 template <class T>
 struct DrydenStage {
   T decay;                         ///< e^(-dt/τ)
-  T coupling;                      ///< of the first stage into the second
-  T noise_11, noise_21, noise_22;  ///< lower Cholesky factor of a sample's noise
+  T coupling;                      ///< from the first stage to the second
+  T noise_11, noise_21, noise_22;  ///< lower Cholesky factor of the noise covariance of a sample
 };
 /// @param samples  dt / τ, > 0
 template <class T>
@@ -45,14 +45,14 @@ template <class T>
   DrydenStage<T> stage;
   stage.decay = exp(T(-samples));
   stage.coupling = samples * stage.decay;
-  // a' = (n - a) / τ, b' = (a - b) / τ with var a = 1: what one sample forgets is what noise adds,
-  // Q = P - A P Aᵀ with A = [decay 0; coupling decay], P = [1 ½; ½ ½].
+  // a' = (n - a) / τ, b' = (a - b) / τ with var a = 1. The noise of a sample replaces the variance
+  // that decays, Q = P - A P Aᵀ with A = [decay 0; coupling decay], P = [1 ½; ½ ½].
   const T &d = stage.decay, &c = stage.coupling;
   const T half = T(0.5) * d * d;
-  stage.noise_11 = sqrt(greater(T(1) - d * d, T(0)));
+  stage.noise_11 = sqrt(max_of(T(1) - d * d, T(0)));
   stage.noise_21 = (T(0.5) - d * c - half) / stage.noise_11;
   stage.noise_22 =
-      sqrt(greater(T(0.5) - c * c - c * d - half - stage.noise_21 * stage.noise_21, T(0)));
+      sqrt(max_of(T(0.5) - c * c - c * d - half - stage.noise_21 * stage.noise_21, T(0)));
   return stage;
 }
 
@@ -62,19 +62,19 @@ class WindModel {
   using P = Pack<N>;
 
   WindModel() = default;
-  /// @param winds   one a lane
-  /// @param stream  first of three random streams that are the wind's own
+  /// @param winds   one per lane
+  /// @param stream  first of three random streams reserved for the wind
   WindModel(const std::array<Wind, N>& winds, double dt, std::uint32_t stream);
 
-  /// Whether there is any wind at all.
+  /// Whether any flight has wind.
   [[nodiscard]] bool windy() const { return windy_; }
 
   /// Whether any flight has turbulence.
   [[nodiscard]] bool turbulent() const { return turbulent_; }
 
-  /// Velocity of the air in sample `index`, at t = index · dt; world axes [m/s]. To be called for
-  /// each index in turn.
-  /// @param velocity  of the vehicle, world axes [m/s]; matters to turbulence alone
+  /// Velocity of the air in sample `index`, at t = index · dt; world axes [m/s]. Call it for
+  /// consecutive indices.
+  /// @param velocity  of the vehicle, world axes [m/s]; affects the turbulence only
   [[nodiscard]] Vector3<P> at(std::uint64_t index, double t, const RandomSource<N>& source,
                               const Vector3<P>& velocity = Vector3<P>::Zero());
 
@@ -88,8 +88,8 @@ class WindModel {
   Vector3<P> mean_ = Vector3<P>::Zero();
   Vector3<P> along_ = Vector3<P>::Zero(), across_ = Vector3<P>::Zero();  ///< unit vectors
   Vector3<P> sigma_;
-  P level_rate_, up_rate_;  ///< dt/L of the level axes and of the vertical one [s/m]
-  P pace_ = 0;              ///< V for which the stages are [m/s]
+  P level_rate_, up_rate_;  ///< dt/L of the horizontal axes and of the vertical axis [s/m]
+  P pace_ = 0;              ///< V with which the stages were computed [m/s]
   DrydenStage<P> level_, up_;
   std::array<P, 3> first_, second_;
 };
@@ -116,12 +116,12 @@ WindModel<N>::WindModel(const std::array<Wind, N>& winds, double dt, std::uint32
   }
 }
 
-/// V and what follows from it.
+/// Updates V and the filter stages that depend on it.
 template <int N>
 void WindModel<N>::set_pace(const Vector3<P>& velocity) {
   using std::sqrt;
   const P x = mean_(0) - velocity(0), y = mean_(1) - velocity(1);
-  const P pace = greater(P(sqrt(x * x + y * y)), P(1));
+  const P pace = max_of(P(sqrt(x * x + y * y)), P(1));
   if (all(pace == pace_)) return;
   pace_ = pace;
   level_ = dryden_stage(P(level_rate_ * pace));
@@ -146,7 +146,7 @@ Vector3<Pack<N>> WindModel<N>::at(std::uint64_t index, double t, const RandomSou
     for (std::size_t i = 0; i < 3; ++i) {
       const RandomPair<N> n = random_normal(source, stream_ + static_cast<std::uint32_t>(i), index);
       const DrydenStage<P>& c = i < 2 ? level_ : up_;
-      if (index == 0) {  // as if for ever before
+      if (index == 0) {  // start in the stationary state
         first_[i] = n.first;
         second_[i] = P(0.5) * (n.first + n.second);
       } else {
@@ -154,8 +154,8 @@ Vector3<Pack<N>> WindModel<N>::at(std::uint64_t index, double t, const RandomSou
                      (c.noise_21 * n.first + c.noise_22 * n.second);
         first_[i] = c.decay * first_[i] + c.noise_11 * n.first;
       }
-      // Along, one stage; across, √3 of the first and 1 - √3 of the second, whose variance is then
-      // 2 where the first stage has 1.
+      // Along the wind: one stage. Across: √3 times the first stage plus 1 - √3 times the second,
+      // whose variance is 2 if that of the first stage is 1.
       if (i > 0)
         gusts[i] = P(std::numbers::sqrt2 / 2) *
                    (P(std::numbers::sqrt3) * first_[i] + P(1 - std::numbers::sqrt3) * second_[i]);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Many flights of the same designs and missions, each with its own draw of what is uncertain.
+/// Many flights of the same designs and missions, each with its own draw of the uncertain
+/// parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,21 +15,22 @@
 
 namespace quadtune {
 
-/// A design in a mission.
+/// One design in one mission.
 struct CampaignCase {
   std::string design;
   std::string mission;
-  FlightSetup setup;  ///< without anything drawn; seed and flight are set for each
+  FlightSetup setup;  ///< without drawn parameters; seed and flight number are set for each flight
 };
 
-/// What is flown: each of `flights` draws in every case, with the same draw and the same noise, so
-/// that designs are compared on the same winds (common random numbers).
+/// A campaign flies each of `flights` draws in every case. All cases of a draw share the same
+/// parameters and noise, so that designs are compared under identical conditions (common random
+/// numbers).
 ///
 /// Records are numbered draw by draw: number = draw · cases + case.
 struct Campaign {
-  std::vector<CampaignCase> cases;  ///< at least one; all of the same vehicle
+  std::vector<CampaignCase> cases;  ///< at least one; all with the same vehicle
   Uncertainty uncertainty;
-  std::uint32_t flights = 0;  ///< draws, ≥ 1
+  std::uint32_t flights = 0;  ///< number of draws, ≥ 1
   std::uint64_t seed = 1;
 
   [[nodiscard]] std::uint64_t records() const {
@@ -36,53 +38,54 @@ struct Campaign {
   }
 };
 
-/// The flight of a number, as it is flown.
-/// @throws InvalidInput  for a number that the campaign does not have, or as apply()
+/// Setup of the flight with this number, drawn parameters included.
+/// @throws InvalidInput  if the campaign has no such flight, or as apply()
 [[nodiscard]] FlightSetup setup_of(const Campaign& campaign, std::uint64_t number);
 
-/// Checks that the campaign can be flown, its first flight in every case.
-/// @throws InvalidInput  naming the case and what is wrong
+/// Checks that the campaign can be flown by checking the first flight of every case.
+/// @throws InvalidInput  naming the case and the mistake
 void validate(const Campaign& campaign, const std::string& where);
 
-/// What is drawn, of every flight: a column each, as draw() gives it.
+/// Drawn parameters of all flights, one column per flight as returned by draw().
 /// @param threads  as fly_all()
 /// @return         (quantities × flights)
 [[nodiscard]] Eigen::MatrixXd all_draws(const Campaign& campaign, std::size_t threads = 0);
 
-/// What is kept of a flight.
+/// The stored result of one flight.
 struct CampaignRecord {
   std::uint64_t number = 0;
   FlightEnd end = FlightEnd::completed;
-  bool passed = false;  ///< completed, and every limit of the mission kept
+  bool passed = false;  ///< completed, and every limit of the mission satisfied
   double end_time = 0;  ///< [s]
-  std::string reason;   ///< what ended it, e.g. "tilt"; at most 47 bytes; empty where it completed
+  /// Reason of an early end, e.g. "tilt"; at most 47 bytes; empty if completed
+  std::string reason;
   MetricValues metrics;
 };
 
-/// What is kept of a result.
-/// @param setup  that was flown: its mission is what the flight is held against
+/// Extracts the record of a flight from its result.
+/// @param setup  of the flight; its mission defines the limits
 [[nodiscard]] CampaignRecord record_of(std::uint64_t number, const FlightSetup& setup,
                                        const FlightResult& result);
 
 /// Flies draws `begin` to `end` - 1 in every case.
 /// @param begin, end   begin ≤ end ≤ `campaign.flights`
 /// @param threads      as fly_all()
-/// @param interrupted  likewise
-/// @return             in the order of their numbers; the same bytes for any threads, and for any
-///                     way in which draws are shared among calls
+/// @param interrupted  as fly_all()
+/// @return             records in the order of their numbers; bit-identical for any number of
+///                     threads and any partition of the draws into calls
 /// @throws InvalidInput, Interrupted  as fly_all()
 [[nodiscard]] std::vector<CampaignRecord> fly_draws(const Campaign& campaign, std::uint32_t begin,
                                                     std::uint32_t end, std::size_t threads = 0,
                                                     const std::function<bool()>& interrupted = {});
 
-/// Draws `begin` to `end` - 1.
+/// The draws `begin` to `end` - 1.
 struct DrawRange {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
-/// The draws of a shard: as many in each, or one more.
+/// The draws of one shard. The sizes of the shards differ by at most one draw.
 /// @param shards  ≥ 1
-/// @param shard   from 0, less than `shards`
+/// @param shard   0 ≤ shard < `shards`
 [[nodiscard]] DrawRange shard_draws(std::uint32_t flights, std::uint32_t shards,
                                     std::uint32_t shard);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Parts of a campaign on disk: flown by any number of workers, killed and begun again at any time,
-/// with nothing lost and nothing counted twice.
+/// Shards of a campaign on disk. Any number of workers can fly them and be killed and restarted at
+/// any time; no record is lost or counted twice.
 #pragma once
 
 #include <cstdint>
@@ -13,56 +13,63 @@
 
 namespace quadtune {
 
-/// Where a campaign's records lie, and which plan they must be of.
+/// Folder with the records of a campaign, and the plan to which they must belong.
 struct CampaignFolder {
-  std::filesystem::path path;  ///< holds SHARD.flights, and SHARD.WORKER.part while it is flown
-  std::string plan;            ///< SHA-256 of the plan, 64 digits
-  std::uint32_t flights = 0;   ///< draws
+  /// Contains SHARD.flights, and SHARD.WORKER.part while the shard is flown
+  std::filesystem::path path;
+  std::string plan;           ///< SHA-256 of the plan, 64 hexadecimal digits
+  std::uint32_t flights = 0;  ///< number of draws
   std::uint32_t cases = 0;
   std::uint32_t shards = 0;
 };
 
-/// What is on disk of a shard.
+/// State of a shard on disk.
 struct ShardState {
-  bool complete = false;      ///< its file is there, and every record in it is right
-  std::uint64_t records = 0;  ///< that are right, in its file and in the parts
+  bool complete = false;      ///< the shard's file exists and every record in it is valid
+  std::uint64_t records = 0;  ///< number of valid records, in the shard's file and in the parts
   std::uint64_t expected = 0;
-  std::vector<std::string> damage;  ///< one line for each file that is not as it was written
-  int workers = 0;                  ///< parts, each of a worker that flies or flew
-  double last_written = -1;         ///< [s] ago; of the newest part; negative: there is none
-  double rate = 0;                  ///< [records/s] of that part's worker; 0: not known yet
+  std::vector<std::string> damage;  ///< one line per file that is damaged
+  int workers = 0;                  ///< number of parts, one per worker, running or not
+  double last_written = -1;         ///< age of the newest part [s]; negative: there is no part
+  /// [records/s] of the worker that wrote the newest part; 0: not known yet
+  double rate = 0;
 };
-/// @param shard  from 0, less than the folder's `shards`, here and below
-/// @throws FileError  where the shard's file is there and cannot be read
+/// Reads the state of a shard.
+/// @param shard  0 ≤ shard < `shards` of the folder, here and below
+/// @throws FileError  if the shard's file exists and cannot be read
 [[nodiscard]] ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard);
 
-/// Whether the shard's file is there, complete when it was written. No record of it is read.
+/// Whether the file of a completed shard exists. Its records are not validated.
 [[nodiscard]] bool shard_is_there(const CampaignFolder& folder, std::uint32_t shard);
 
-/// The records of a complete shard.
-/// @throws InvalidInput  naming the file and the record that is wrong
-/// @throws FileError     where the file is missing or cannot be read
+/// Reads the records of a complete shard.
+/// @throws InvalidInput  naming the file and the invalid record
+/// @throws FileError     if the file is missing or cannot be read
 [[nodiscard]] std::vector<CampaignRecord> read_shard(const CampaignFolder& folder,
                                                      std::uint32_t shard);
 
-/// What a worker did.
+/// Result of fly_shard().
 struct ShardWork {
   bool was_complete = false;  ///< nothing had to be flown
-  std::uint64_t found = 0;    ///< records of workers before, verified
+  std::uint64_t found = 0;    ///< number of valid records from previous workers
   std::uint64_t flown = 0;
-  std::vector<std::string> damage;  ///< what was found wrong, and flown again
+  /// Damage that was found; the affected flights were flown again
+  std::vector<std::string> damage;
 };
 
-/// How far a worker is: flights that it flew, and those of the shard that are missing yet.
+/// Progress of a worker: flights that it has flown, and flights of the shard that are still
+/// missing.
 using ShardProgress = std::function<void(std::uint64_t flown, std::uint64_t missing)>;
 
-/// Flies what is missing of a shard. Records are appended to a file of this worker as they come;
-/// when all are there they are written in order beside the shard's file and take its place at once.
-/// Records that other workers left are used where their checksums are right. Two workers at once
-/// both do all of it, and leave the same bytes.
+/// Flies the missing flights of a shard. Records are appended to a file of this worker as they are
+/// computed. When the shard is complete, its records are written in order to a temporary file,
+/// which then atomically replaces the shard's file. Records of other workers are used if their
+/// checksums are correct. Two workers on the same shard both fly all of it and write identical
+/// bytes.
 /// @param threads     as fly_all()
-/// @throws FileError     with the path and the system's reason; what was flown stays in the part
-/// @throws Interrupted   likewise
+/// @throws FileError     with the path and the operating system's reason; completed flights remain
+///                       in the part
+/// @throws Interrupted   completed flights remain in the part
 /// @throws InvalidInput  as fly_all()
 ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std::uint32_t shard,
                     std::size_t threads = 0, const ShardProgress& progress = {},

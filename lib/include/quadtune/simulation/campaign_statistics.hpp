@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What many flights say: how often they succeed, how their figures are spread, what they depend
-/// on, which design is better. Every figure has an interval of 95 %.
+/// Statistics of many flights: success rates, distributions of metrics, sensitivities to the drawn
+/// parameters, comparisons of designs. Every value has a 95 % confidence interval.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,73 +14,74 @@
 
 namespace quadtune {
 
-/// A number and where it lies with 95 % probability.
+/// An estimate with its 95 % confidence interval.
 struct Estimated {
   double value = 0;
   double low = 0;
   double high = 0;
 };
 
-/// The share of successes, with the interval of Clopper and Pearson, which holds at least 95 %.
+/// Fraction of successes with the Clopper-Pearson interval, whose coverage is at least 95 %.
 /// @param all  ≥ 1
 [[nodiscard]] Estimated success_rate(std::uint64_t successes, std::uint64_t all);
 
-/// The q-quantile of a sample in order, with an interval between two of its values that holds
-/// whatever the distribution (by the binomial distribution of how many lie below).
-/// @param sorted  n ≥ 1 values in increasing order, infinite ones allowed, no NaN; the interval
-///                ends at ±∞ where n is too small for one of 95 %
+/// The q-quantile of a sorted sample, with a distribution-free interval between two order
+/// statistics (from the binomial distribution of the number of values below the quantile).
+/// @param sorted  n ≥ 1 values in increasing order, infinite values allowed, no NaN; an end of the
+///                interval is ±∞ if n is too small for 95 %
 /// @param q       0 < q < 1
 [[nodiscard]] Estimated quantile(std::span<const double> sorted, double q);
 
-/// The same without its interval, of values in any order, which it changes.
+/// The q-quantile without its interval. The values may have any order, and the function changes it.
 [[nodiscard]] double sample_quantile(std::span<double> values, double q);
 
-/// Spearman's rank correlation, ties at their mean rank, with an interval by Fisher's transform and
-/// the variance of Bonett and Wright (2000). NaN where one of both does not vary, or n < 4.
-/// @param x, y  n values each, infinite ones allowed, no NaN
+/// Spearman's rank correlation, with mean ranks for ties and an interval by Fisher's transform with
+/// the variance of Bonett and Wright (2000). NaN if x or y is constant or n < 4.
+/// @param x, y  n values each, infinite values allowed, no NaN
 [[nodiscard]] Estimated rank_correlation(std::span<const double> x, std::span<const double> y);
 
-/// One figure over the flights that have it.
+/// Distribution of one metric over the flights in which it is defined.
 struct MetricSpread {
   Metric metric = Metric::duration;
-  std::uint64_t flights = 0;  ///< in which it is a number; infinite where it was not reached
-  double mean = 0;            ///< infinite where one is
-  double deviation = 0;       ///< standard, of the flights; infinite likewise, NaN of one flight
-  double least = 0, greatest = 0;
+  std::uint64_t flights = 0;  ///< in which it is not NaN; infinite values count
+  double mean = 0;            ///< infinite if any value is
+  /// Standard deviation over the flights; infinite if any value is, NaN for one flight
+  double deviation = 0;
+  double min = 0, max = 0;
   Estimated median, percentile_5, percentile_95, percentile_99;
 };
 
-/// How a figure goes with what was drawn.
+/// Correlation of a metric with a drawn quantity.
 struct Sensitivity {
   std::string quantity;
   std::string figure;     ///< name of a metric, or "failure"
-  Estimated correlation;  ///< of ranks
+  Estimated correlation;  ///< rank correlation
 };
 
-/// A flight that is worth looking at.
+/// A flight that deserves inspection.
 struct WorstFlight {
   std::uint64_t number = 0;
   std::string why;  ///< e.g. "safety exit: tilt at 3.2 s", "tracking_max 0.41 m of 0.3 m"
 };
 
-/// All of one case.
+/// Statistics of one case.
 struct CaseStatistics {
   std::string design, mission;
   std::uint64_t flights = 0, passed = 0;
   Estimated success;
   std::map<std::string, std::uint64_t> ends;  ///< "completed", "safety exit: tilt", …
-  std::vector<MetricSpread> metrics;          ///< those that some flight has
+  std::vector<MetricSpread> metrics;          ///< metrics that are defined in at least one flight
   std::vector<Sensitivity> sensitivities;     ///< strongest first
   std::vector<WorstFlight> worst;             ///< worst first, at most 5
 };
 
-/// One design against another in the same mission, on the same draws.
+/// Comparison of two designs in the same mission on the same draws.
 struct CaseComparison {
   std::string mission, first, second;
   std::uint64_t only_first_passed = 0, only_second_passed = 0;
   struct Difference {
     Metric metric = Metric::duration;
-    std::uint64_t flights = 0;  ///< in which both have it, finite
+    std::uint64_t flights = 0;  ///< in which both values are defined and finite
     Estimated mean;             ///< of second - first
   };
   std::vector<Difference> metrics;
@@ -91,9 +92,11 @@ struct CampaignStatistics {
   std::vector<CaseComparison> comparisons;
 };
 
+/// Computes the statistics of a campaign.
 /// @param drawn    all_draws() of the campaign
-/// @param records  all of the campaign, in order
-/// @param threads  as fly_all(), but no more than a few, as each holds a figure of all flights
+/// @param records  all records of the campaign, in order
+/// @param threads  as fly_all(), limited to a small number because each thread stores one metric of
+///                 all flights
 [[nodiscard]] CampaignStatistics campaign_statistics(const Campaign& campaign,
                                                      const Eigen::MatrixXd& drawn,
                                                      std::span<const CampaignRecord> records,

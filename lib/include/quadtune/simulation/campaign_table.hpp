@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The records of a campaign as one table, for other programs: a row a flight, with what was drawn
-/// for it.
+/// Exports the records of a campaign as one table: one row per flight, with its drawn parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,22 +13,24 @@
 
 namespace quadtune {
 
-/// Names of the columns: number, draw, design, mission, the quantities by name, passed, end,
-/// reason, end_time_s, and the metrics with their units, e.g. tilt_max_rad.
+/// Column names: number, draw, design, mission, the quantities by name, passed, end, reason,
+/// end_time_s, and the metrics with their units, e.g. tilt_max_rad.
 [[nodiscard]] std::vector<std::string> campaign_columns(const Campaign& campaign);
 
-/// Writes them as CSV, whole or not at all. A figure that a flight does not have is empty, one that
-/// it did not reach `inf`. Numbers read back to the same double.
+/// Writes the table as CSV. The file is complete or does not change. A metric that is undefined for
+/// a flight is empty; one that was not reached is `inf`. Numbers are written with full precision
+/// and read back as the same double.
 /// @param drawn    all_draws() of the campaign
-/// @param records  all of the campaign, in order
-/// @throws FileError    with the path and the system's reason
+/// @param records  all records of the campaign, in order
+/// @throws FileError    with the path and the operating system's reason
 /// @throws Interrupted
 void write_campaign_csv(const std::filesystem::path& file, const Campaign& campaign,
                         const Eigen::MatrixXd& drawn, std::span<const CampaignRecord> records,
                         const std::function<bool()>& interrupted = {});
 
-/// Writes them as a SQLite database, whole or not at all: table `flights`, and `quantities` with
-/// what was uncertain. A figure that a flight does not have is NULL.
+/// Writes the table as an SQLite database. The file is complete or does not change. Its tables are
+/// `flights` and `quantities`, which lists the uncertain quantities. A metric that is undefined for
+/// a flight is NULL.
 /// @throws  as write_campaign_csv()
 void write_campaign_database(const std::filesystem::path& file, const Campaign& campaign,
                              const Eigen::MatrixXd& drawn, std::span<const CampaignRecord> records,

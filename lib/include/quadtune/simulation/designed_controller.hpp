@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control laws of a design as they are flown.
+/// Controllers for the simulation from designs.
 #pragma once
 
 #include "quadtune/design.hpp"
@@ -7,13 +7,13 @@
 
 namespace quadtune {
 
-/// A cascade of a design file as it is flown.
-/// @param gains  designed where the file asks for them
+/// Controller for a cascade from a design file.
+/// @param gains  computed if the file requests it
 [[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
                                                    const CascadeGains& gains);
 
-/// A state feedback as it is flown: with the guards of the uquad's program in its convention.
-/// @param dt  control period [s]; that of the gains where they have one
+/// Controller for a state feedback, with integral guards if its convention is uquad or ned.
+/// @param dt  control period [s]; that of the gains if they have one
 [[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
 
 }  // namespace quadtune

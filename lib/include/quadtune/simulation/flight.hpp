@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated flight: vehicle, mission, law, estimator, sensors and weather in; what happened out.
+/// Simulates a flight, given vehicle, mission, control law, estimator, sensors and wind.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct GainSchedule;
 /// The cascade of PID loops with its limits.
 struct CascadeController {
   CascadeGains gains;
-  PidMethod method = PidMethod::forward_euler;  ///< of the integrals
+  PidMethod method = PidMethod::forward_euler;  ///< for the integrals
   double attitude_limit = 3;                    ///< of the references [rad]
   double integrator_limit = 2;                  ///< of |∫error| [error · s]
   double back_calculation = 0.001;              ///< [1/s]
@@ -41,140 +41,145 @@ struct CascadeController {
   bool conditional_integration = false;         ///< CascadedPidSettings::conditional_integration
 };
 
-/// State feedback, sampled at `dt`.
+/// State feedback, sampled with the period `dt`.
 struct StateFeedbackController {
   Gains gains;
   double dt = 0;  ///< control period [s], > 0; that of the gains if they have one
-  std::vector<IntegralGuard> guards;  ///< by state; none: the integral is not limited
-  /// Where there is one, ScheduledFeedback takes K, K_int, x0 and u0 from it in every period;
-  /// `gains` are those with which the flight begins and by which its loop is judged.
+  std::vector<IntegralGuard> guards;  ///< one per state; empty: the integrals are not limited
+  /// If set, ScheduledFeedback takes K, K_int, x0 and u0 from the schedule in every period; `gains`
+  /// are those at the start of the flight, which are also used to assess the loop.
   std::shared_ptr<const GainSchedule> schedule = nullptr;
 };
 
 using Controller = std::variant<CascadeController, StateFeedbackController, OwnController>;
 
-/// Where the law takes the state from.
+/// Source of the state that the control law uses.
 enum class EstimatorKind {
   mambo,    ///< MamboEstimatorSettings
   uquad,    ///< UquadFilterSettings
-  general,  ///< GeneralFilterSettings, made from the vehicle's sensors
-  truth,    ///< the true state, to see what estimation costs
+  general,  ///< GeneralFilterSettings, computed from the vehicle's sensors
+  truth,    ///< the true state, to quantify the effect of estimation
   own,      ///< FlightSetup::own_estimator
 };
-/// "mambo", "uquad", "general", "truth", and back; "own", which is not read back.
+/// "mambo", "uquad", "general" and "truth", also accepted as input; "own" for output only.
 [[nodiscard]] std::string to_string(EstimatorKind kind);
 [[nodiscard]] EstimatorKind estimator_kind(const std::string& name, const std::string& where);
 
-/// What the optical flow sensor shows.
+/// Model of the optical flow sensor.
 enum class FlowModel {
-  full,        ///< the motion field averaged over the image
-  simplified,  ///< the model package's own formula
+  full,        ///< motion field averaged over the image
+  simplified,  ///< formula of the original Simulink model package
   off,         ///< no sensor
 };
-/// "full", "simplified", "off", and back.
+/// "full", "simplified", "off", also accepted as input.
 [[nodiscard]] std::string to_string(FlowModel model);
 [[nodiscard]] FlowModel flow_model(const std::string& name, const std::string& where);
 
-/// When a flight program gives up. Each stops the motors; the flight has failed.
+/// Limits beyond which the flight program aborts: it stops the motors, and the flight has failed.
 struct SafetyLimits {
-  double tilt = 1.2;             ///< of the believed attitude [rad]
-  double collision = 60;         ///< of the accelerometer's reading [m/s²]
-  double flow_lost_time = 1;     ///< without optical flow, where the estimator needs it [s]
-  double disagreement_time = 1;  ///< of optical flow and estimated velocity [s]
+  double tilt = 1.2;             ///< of the estimated attitude [rad]
+  double collision = 60;         ///< of the accelerometer reading [m/s²]
+  double flow_lost_time = 1;     ///< without optical flow, if the estimator requires it [s]
+  double disagreement_time = 1;  ///< of difference between optical flow and estimated velocity [s]
 
   friend bool operator==(const SafetyLimits&, const SafetyLimits&) = default;
 };
 
-/// Everything that decides a flight: two flights of one setup have the same bytes, if laws and
-/// estimators of the user's own keep to what they are given.
+/// Complete description of a flight. Two flights with the same setup give bit-identical results,
+/// provided that user-defined laws and estimators depend on their inputs only.
 struct FlightSetup {
-  Vehicle vehicle;               ///< as law and estimator believe it to be
-  std::optional<Vehicle> flown;  ///< as it truly is, with its sensors; none: as believed
+  Vehicle vehicle;  ///< the model that law and estimator use
+  /// The true vehicle with its sensors; empty: the same as `vehicle`
+  std::optional<Vehicle> flown;
   Mission mission;
   Controller controller;
-  AllocationRule allocation = AllocationRule::clipped;  ///< of commands beyond the motors
+  AllocationRule allocation = AllocationRule::clipped;  ///< for commands beyond the motors' limits
   EstimatorKind estimator = EstimatorKind::mambo;
   MamboEstimatorSettings<double> mambo_estimator;  ///< dt and gravity are set by fly()
   UquadFilterSettings<double> uquad_filter;        ///< likewise
-  GeneralFilterNoise general_noise;  ///< what the general filter assumes beyond the sensors' file
-  /// Numbers of the general filter in place of those that follow from the sensors' file. Its dt and
-  /// start are set by fly(). Only with real_sensors.
+  /// Noise assumed in addition to the sensor file, for the general filter
+  GeneralFilterNoise general_noise;
+  /// Settings of the general filter instead of those computed from the sensor file. fly() sets its
+  /// dt and start. Only with real_sensors.
   std::optional<GeneralFilterSettings> general_filter;
-  OwnEstimator own_estimator;  ///< of EstimatorKind::own
-  bool real_sensors = true;    ///< false: they say what is true, at the vehicle's rates, at once
+  OwnEstimator own_estimator;  ///< for EstimatorKind::own
+  /// false: ideal sensors without delay, at the rates of the vehicle's sensors
+  bool real_sensors = true;
   FlowModel flow = FlowModel::full;
-  double flow_rate = 0;  ///< [Hz]; 0: the vehicle's
+  double flow_rate = 0;  ///< [Hz]; 0: rate of the vehicle's sensor
   Environment environment;
   SafetyLimits safety;
   Integrator integrator = Integrator::bogacki_shampine_3;
-  double step = 0.005;     ///< longest of the integrator [s]; the control period has a whole number
-  double duration = 0;     ///< [s]; 0: the mission's
-  std::uint64_t seed = 1;  ///< of everything random
-  std::uint32_t flight = 0;  ///< which of the flights with that seed
-  bool log = false;          ///< whether to keep FlightResult::log
+  /// Maximum integration step [s]; each control period has a whole number of steps
+  double step = 0.005;
+  double duration = 0;       ///< [s]; 0: duration of the mission
+  std::uint64_t seed = 1;    ///< of all random numbers
+  std::uint32_t flight = 0;  ///< number of the flight among those with this seed
+  bool log = false;          ///< whether to fill FlightResult::log
 };
 
 /// The true vehicle of a setup.
 [[nodiscard]] inline const Vehicle& flown_vehicle(const FlightSetup& setup) {
   return setup.flown ? *setup.flown : setup.vehicle;
 }
-/// The sensors that a setup flies with: its true vehicle's, made ideal or cut down as it says.
+/// The sensors that a setup flies with: those of its true vehicle, modified by the setup's options.
 [[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
 
-/// The control period of a setup's law, and how long it flies [s].
+/// Control period of a setup's law, and duration of its flight [s].
 [[nodiscard]] double control_period(const FlightSetup& setup);
 [[nodiscard]] double duration_of(const FlightSetup& setup);
 
-/// Settings of the general filter for a setup: the sensors of the vehicle as it is believed, the
-/// control period of its law, and start deviations for a start on the ground or in the air.
-/// @throws InvalidInput  if its sensors cannot feed the filter; the message names what is missing
+/// Settings of the general filter for a setup: sensors from the vehicle model, control period from
+/// the law, and initial deviations for a start on the ground or in the air.
+/// @throws InvalidInput  if the sensors cannot feed the filter; the message names what is missing
 [[nodiscard]] GeneralFilterSettings general_filter_settings(const FlightSetup& setup);
 
-/// How a flight ended.
+/// Outcome of a flight.
 enum class FlightEnd {
-  completed,    ///< the mission's time was flown
-  safety_exit,  ///< the flight program gave up; the last event says why
-  diverged,     ///< a state left every range that means anything
+  completed,    ///< the full duration was flown
+  safety_exit,  ///< the flight program aborted; the last event gives the reason
+  diverged,     ///< a state left its physically meaningful range
 };
 /// "completed", "safety exit", "diverged".
 [[nodiscard]] std::string to_string(FlightEnd end);
 
-/// What happened.
+/// Result of a simulated flight.
 struct FlightResult {
   FlightEnd end = FlightEnd::completed;
   double end_time = 0;  ///< [s]
-  /// Of a flight that diverged: the state at fault. Of a safety exit by a law or an estimator of
-  /// the user's own: which, and the entry at fault. Otherwise empty.
+  /// After divergence: the state that left its range. After a safety exit due to a user-defined law
+  /// or estimator: which of them, and its invalid entry. Otherwise empty.
   std::string culprit;
   MetricValues metrics;
   std::vector<LogEvent> events;
   StateVector<double> final_state = StateVector<double>::Zero();     ///< true
-  StateVector<double> final_estimate = StateVector<double>::Zero();  ///< believed
-  std::uint64_t steps = 0;                                           ///< of the integrator
-  LogTable log;  ///< a row each control period; empty unless asked for
+  StateVector<double> final_estimate = StateVector<double>::Zero();  ///< final state estimate
+  /// Number of integration steps
+  std::uint64_t steps = 0;
+  LogTable log;  ///< one row per control period; empty unless FlightSetup::log is set
 };
 
-/// Makes the Mambo's estimator right for the optical flow that flies: the sensor's scale undone,
-/// the body's own turning taken out of the image, that of the image's own instant where the
-/// gyroscope or the image is late. The law, whose period counts, comes first. Without optical flow
-/// it changes nothing.
+/// Adapts the Mambo's estimator to the simulated optical flow sensor: it corrects the sensor's
+/// scale and subtracts the flow due to body rates, taken at the time of the image if the gyroscope
+/// or the image is delayed. Set the law first, since its period is used. Without optical flow
+/// nothing changes.
 void calibrate_flow(FlightSetup& setup);
 
 /// Checks that a setup can be flown.
-/// @throws InvalidInput  naming the part and what is wrong.
+/// @throws InvalidInput  naming the component and the mistake
 void validate(const FlightSetup& setup);
 
-/// One flight.
-/// @param interrupted  asked now and then; true ends the flight with Interrupted
+/// Simulates one flight.
+/// @param interrupted  called periodically; true aborts the flight with Interrupted
 /// @throws InvalidInput  as validate()
 [[nodiscard]] FlightResult fly(const FlightSetup& setup,
                                const std::function<bool()>& interrupted = {});
 
-/// Many flights, several at once in one processor's vectors where they differ in numbers only. Each
-/// result has the bytes that fly() gives.
-/// @param threads      to use, 0: one for each processor; the result does not depend on it
-/// @param interrupted  asked now and then; true ends the work with Interrupted
-/// @throws InvalidInput  as validate(), saying which flight
+/// Simulates many flights. Flights that differ only in numbers are computed several at a time in
+/// SIMD lanes. Each result is bit-identical to that of fly().
+/// @param threads      number of threads, 0: one per processor; the result does not depend on it
+/// @param interrupted  called periodically; true aborts with Interrupted
+/// @throws InvalidInput  as validate(), naming the flight
 [[nodiscard]] std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups,
                                                 std::size_t threads = 0,
                                                 const std::function<bool()>& interrupted = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An estimator of the user's own, which fly() flies like those that come with quadtune.
+/// Interface for user-defined estimators, which fly() treats like the built-in ones.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,26 @@
 
 namespace quadtune {
 
-/// What is known when a flight begins.
+/// Data available at the start of a flight.
 struct EstimatorStart {
-  const Vehicle& vehicle;     ///< as law and estimator believe it to be
+  const Vehicle& vehicle;     ///< the model that law and estimator use
   double dt = 0;              ///< control period [s]
   StateVector<double> state;  ///< the 12 states of ned_convention() at the start
 };
 
-/// What an estimator may use in one control period.
+/// Input of an estimator in one control period.
 struct EstimatorInput {
-  double time = 0;                 ///< of this period [s]
-  SensorFrame<double> sensors;     ///< the newest samples; which are fresh, and how old
-  RotorSpeeds<double> speeds;      ///< (rotors) commanded in the period before [rad/s]
-  bool on_ground = false;          ///< known to stand: before take-off and with motors switched off
-  StateVector<double> true_state;  ///< which no flight program has: to measure estimation errors
+  double time = 0;              ///< beginning of this period [s]
+  SensorFrame<double> sensors;  ///< newest samples, which of them are fresh, and their ages
+  RotorSpeeds<double> speeds;   ///< (rotors) commanded in the previous period [rad/s]
+  /// Known to be on the ground: before take-off and after motor stop
+  bool on_ground = false;
+  /// Not available to real flight programs; for computing estimation errors
+  StateVector<double> true_state;
 };
 
-/// Implement this, and have OwnEstimator make it. One object estimates one flight.
+/// Base class of user-defined estimators; OwnEstimator creates the objects. One object serves one
+/// flight.
 class FlightEstimator {
  public:
   FlightEstimator() = default;
@@ -35,16 +38,16 @@ class FlightEstimator {
   FlightEstimator& operator=(const FlightEstimator&) = delete;
   virtual ~FlightEstimator() = default;
 
-  /// Called once each control period, before the law.
-  /// @return  x: the 12 states of ned_convention(), yaw unwrapped. An entry that is not finite, or
-  ///          Estimate::finite = false, ends the flight: its FlightResult::culprit names the entry.
+  /// Called once per control period, before the law.
+  /// @return  x: the 12 states of ned_convention(), yaw not wrapped. An entry that is not finite,
+  ///          or Estimate::finite = false, ends the flight; FlightResult::culprit names the entry.
   [[nodiscard]] virtual Estimate<double> update(const EstimatorInput& input) = 0;
 };
 
-/// EstimatorKind::own of a FlightSetup.
+/// A user-defined estimator for EstimatorKind::own.
 struct OwnEstimator {
-  std::string name;  ///< in logs and messages
-  /// Makes the estimator of one flight, in the thread that flies it.
+  std::string name;  ///< shown in logs and messages
+  /// Creates the estimator of one flight, in the thread that simulates it.
   std::function<std::unique_ptr<FlightEstimator>(const EstimatorStart&)> make;
 };
 

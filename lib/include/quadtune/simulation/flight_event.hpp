@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What happens to a vehicle in flight: a motor that fails or weakens, a load that comes or goes.
+/// Events in a flight: a motor fails or weakens, the payload changes.
 #pragma once
 
 #include <string>
@@ -10,40 +10,41 @@
 
 namespace quadtune {
 
-/// A rotor loses thrust, and drag torque with it. With a share of 0 its motor stops for good.
+/// A rotor loses part of its thrust and drag torque. With a share of 0 its motor stops for good.
 struct MotorFault {
-  int motor = 1;            ///< 1 is the first
-  double thrust_share = 0;  ///< of the thrust that it gave until then, 0 … 1
+  int motor = 1;            ///< numbered from 1
+  double thrust_share = 0;  ///< remaining fraction of its thrust before the event, 0 … 1
 
   friend bool operator==(const MotorFault&, const MotorFault&) = default;
 };
 
-/// The vehicle picks up a load at its centre of mass, or drops one. Inertia and centre of mass
-/// stay.
+/// The vehicle picks up or drops a load at its centre of mass. Inertia and centre of mass do not
+/// change.
 struct LoadChange {
   double mass = 0;  ///< [kg], not 0; negative: dropped
 
   friend bool operator==(const LoadChange&, const LoadChange&) = default;
 };
 
-/// One event. It happens in the first control period that begins at its time or later; neither law
-/// nor estimator is told.
+/// An event. It takes effect in the first control period that begins at or after its time. Law and
+/// estimator are not informed.
 struct FlightEvent {
-  double time = 0;  ///< from the mission's start [s], ≥ 0
+  double time = 0;  ///< since the start of the mission [s], ≥ 0
   std::variant<MotorFault, LoadChange> what;
 
   friend bool operator==(const FlightEvent&, const FlightEvent&) = default;
 };
 
 /// "motor 2 stops", "motor 2 keeps 0.7 of its thrust", "a load of 0.1 kg is picked up".
-[[nodiscard]] std::string in_words(const FlightEvent& event);
+[[nodiscard]] std::string describe(const FlightEvent& event);
 
-/// Checks events on their own: times in order within the duration, shares and masses in range.
-/// @throws InvalidInput  naming the event, what came and what was expected.
+/// Checks events independently of a vehicle: times in order and within the duration, shares and
+/// masses in range.
+/// @throws InvalidInput  naming the event, its value and the expected one
 void validate(const std::vector<FlightEvent>& events, double duration, const std::string& where);
 
-/// Checks that a vehicle has the motors and keeps a mass through all events.
-/// @throws InvalidInput  naming the event, what came and what was expected.
+/// Checks that the vehicle has the motors, and that its mass remains positive through all events.
+/// @throws InvalidInput  naming the event, its value and the expected one
 void require_possible(const std::vector<FlightEvent>& events, const Vehicle& vehicle,
                       const std::string& where);
 

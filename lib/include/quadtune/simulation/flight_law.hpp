@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A control law of the user's own, which fly() flies like those that come with quadtune.
+/// Interface for user-defined control laws, which fly() treats like the built-in ones.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,8 @@
 
 namespace quadtune {
 
-/// Implement this, and have OwnController make it. One object controls one flight.
+/// Base class of user-defined control laws; OwnController creates the objects. One object serves
+/// one flight.
 class FlightLaw {
  public:
   FlightLaw() = default;
@@ -21,30 +22,31 @@ class FlightLaw {
   FlightLaw& operator=(const FlightLaw&) = delete;
   virtual ~FlightLaw() = default;
 
-  /// One sample, while the vehicle takes off or flies.
+  /// Computes the command of one sample. Called while the vehicle takes off or flies.
   /// @return  inputs of OwnController::input_kind: [T τx τy τz] [N, N m] with T ≥ 0 along body -z,
-  ///          or one entry a rotor. Another size, or an entry that is not finite, ends the flight:
-  ///          its FlightResult::culprit names the entry.
+  ///          or one entry per rotor. A wrong size or an entry that is not finite ends the flight;
+  ///          FlightResult::culprit names the entry.
   [[nodiscard]] virtual Eigen::VectorXd command(const Estimate<double>& estimate,
                                                 const Reference<double>& reference) = 0;
 
-  /// What the motors carry out in this control period, for integrals that must not wind up and laws
-  /// that remember their commands. Called in every period, after command() if that was called.
-  /// @param asked  what command() returned; `made` while the law does not have the motors
-  /// @param made   what the motors produce of it, in the same kind of input
-  virtual void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) {
+  /// Reports what the motors realize in this control period, for anti-windup and for laws that
+  /// remember their commands. Called in every period, after command() if that was called.
+  /// @param asked  return value of command(); equal to `made` while the law does not control the
+  ///               motors
+  /// @param made   what the motors produce, in the same kind of input
+  virtual void on_realized(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) {
     (void)asked;
     (void)made;
   }
 };
 
-/// A Controller of a FlightSetup.
+/// A user-defined controller of a FlightSetup.
 struct OwnController {
-  std::string name;  ///< in logs and messages
+  std::string name;  ///< shown in logs and messages
   double dt = 0;     ///< control period [s], 0.0001 to 1
   InputKind input_kind = InputKind::wrench;
-  /// Makes the law of one flight, in the thread that flies it.
-  /// @param vehicle  as the law believes it to be
+  /// Creates the law of one flight, in the thread that simulates it.
+  /// @param vehicle  model for the law
   std::function<std::unique_ptr<FlightLaw>(const Vehicle& vehicle)> make;
 };
 

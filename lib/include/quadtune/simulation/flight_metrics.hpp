@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measures a flight while it is flown. Fed once per control period, at t, with what holds there;
-/// each period counts for its dt. One template over the scalar: a Pack measures several flights.
+/// Computes the metrics of a flight during the simulation. add() is called once per control period
+/// with the values at its beginning t; each period has the weight dt. One template over the scalar:
+/// a Pack evaluates several flights.
 ///
-/// Let p be the true position, r the reference's, ψ the yaws, ‖·‖ the Euclidean norm. In periods of
-/// FlightPhase::flying the error is e = p - r; where the reference asks for attitude and height
-/// instead of position, it is the vertical part alone. Yaw errors are taken the shorter way round.
+/// Let p be the true position, r the position of the reference, ψ the yaw angles, ‖·‖ the Euclidean
+/// norm. In periods of FlightPhase::flying the error is e = p - r; while the reference asks for
+/// attitude and height instead of position, e is its vertical part only. Yaw errors are wrapped to
+/// ±π.
 ///
 /// **Steps and holds.** A *step* is a period in which flying begins, or in which r differs from the
-/// one of the period before, moved on by its velocity, by more than the band (SettlingRule), or the
-/// yaw reference from the one before by more than its band. The reference *moves* in a period in
-/// which it has a velocity or differs by more than 1e-9 m or rad from the one before. It *holds*
-/// from a step, or from the period after it last moved, to the period before it moves again,
-/// position is no longer asked for, or flying or the flight ends. Only holds that last
-/// at least the window (less 1 µs for rounding, here and below) are judged:
+/// previous r, extrapolated by its velocity, by more than the band (SettlingRule), or the yaw
+/// reference differs from the previous one by more than its band. The reference *moves* in a period
+/// in which it has a velocity or differs from the previous one by more than 1e-9 m or rad. It
+/// *holds* from a step, or from the period after it last moved, to the last period before it moves
+/// again, position is no longer requested, or flying or the flight ends. Only holds that last at
+/// least the window are evaluated. Here and below, 1 µs is subtracted from the window because of
+/// rounding.
 ///
-/// | settling_time    | from the hold's beginning to the end of the last period with ‖e‖ > band or
-/// |                  | |yaw error| > yaw band (the settled bands where they are wider), 0 if there
-/// is none; the longest of all holds; |                  | infinite where the last period of a hold
-/// is such a one | overshoot        | max of (p - r)·d / s over holds that began with a step, d the
-/// direction and |                  | s the distance from p in the step's period to r; 0 where r
-/// was never passed; |                  | only for s > band | yaw_overshoot    | likewise of the
-/// yaw
+/// | settling_time    | from the beginning of the hold to the end of the last period with
+/// |                  | ‖e‖ > band or |yaw error| > yaw band (the settled bands if they are
+/// |                  | wider), 0 if there is no such period; the maximum over all holds; infinite
+/// |                  | if the last period of a hold is such a period
+/// | overshoot        | max of (p - r)·d / s over holds that began with a step, where d is the
+/// |                  | direction and s the distance from p in the period of the step to r; 0 if r
+/// |                  | was never passed; only for s > band
+/// | yaw_overshoot    | the same for the yaw
 ///
 /// **Tracking**, over periods that begin at least the window after the last step:
 ///
@@ -33,20 +37,21 @@
 /// | duration         | Σ dt
 /// | tilt_max         | of the angle between body z and world z, arccos(cos roll cos pitch)
 /// | speed_max        | of the speed
-/// | saturation_time  | Σ dt where some motor was at a limit
+/// | saturation_time  | Σ dt of periods in which a motor was at a limit
 /// | energy           | Σ power dt
-/// | estimate_rms, _max | of ‖believed - true position‖
-/// | position_drift   | horizontal distance of (believed - true position) in the last period from
+/// | estimate_rms, _max | of ‖estimated - true position‖
+/// | position_drift   | horizontal distance of (estimated - true position) in the last period from
 /// |                  | that in the first
 /// | final_distance   | ‖p - r‖ in the last period
-/// | touchdown_speed  | whenever the height sinks to kGroundHeight or below after it was above
-/// |                  | kAirborneHeight: the mean downward speed from the last period but one
-/// before |                  | to the last before; the greatest of all
-/// | height_peak      | max of (height - the highest reference so far) over periods of
-/// |                  | FlightPhase::take_off and flying, at least 0: how far a take-off overshoots
+/// | touchdown_speed  | maximum over all touchdowns, where the height decreases to kGroundHeight or
+/// |                  | below after it exceeded kAirborneHeight: the mean downward speed between
+/// |                  | the last two periods before the touchdown
+/// | height_peak      | max of (height - highest reference so far) over periods of
+/// |                  | FlightPhase::take_off and flying, at least 0: the overshoot of a take-off
 ///
-/// A root mean square is √(Σ ‖·‖² dt / Σ dt). A figure without a period to take it from is NaN.
-/// Once a state, an estimate or the power is not finite, everything but the duration is.
+/// A root mean square is √(Σ ‖·‖² dt / Σ dt). A metric without any period to compute it from is
+/// NaN. After a state, an estimate or the power was not finite, all metrics except the duration are
+/// NaN.
 #pragma once
 
 #include <Eigen/Core>
@@ -63,12 +68,12 @@
 
 namespace quadtune {
 
-/// Heights of the centre of mass [m], counted from where it is at rest on the ground: at or below
-/// the first the vehicle stands there, above the second it flies.
+/// Heights of the centre of mass [m] relative to its height at rest on the ground. The vehicle is
+/// on the ground at or below the first, and airborne above the second.
 inline constexpr double kGroundHeight = 0.02;
 inline constexpr double kAirborneHeight = 0.1;
 
-/// The figures of one flight, or of one a lane. Lanes do not see each other.
+/// The metrics of one flight, or of one flight per lane. Lanes are independent of each other.
 template <class T>
 class FlightMetrics {
  public:
@@ -77,44 +82,44 @@ class FlightMetrics {
 
   explicit FlightMetrics(const SettlingRule& rule = {}) : rule_(rule) {}
 
-  /// One control period.
+  /// Processes one control period.
   /// @param t          its beginning [s];  @param dt  its length [s], > 0
-  /// @param x          true state;  @param estimate  what the vehicle believes
-  /// @param reference  what it is asked for; phase and kind are those of every lane
-  /// @param saturated  whether some motor is at a limit
+  /// @param x          true state;  @param estimate  of the flight program
+  /// @param reference  set point; phase and kind are the same in every lane
+  /// @param saturated  whether a motor is at a limit
   /// @param power      of the motors [W]
-  /// @param counts     false in a lane whose flight has ended: it stays as it is
-  /// @param motors_off  true in a lane whose flight is over while those of others go on
+  /// @param counts     false in a lane whose flight has ended; its metrics do not change any more
+  /// @param motors_off  true in a lane whose flight has ended while other lanes continue
   void add(double t, double dt, const StateVector<T>& x, const Estimate<T>& estimate,
            const Reference<T>& reference, const Mask& saturated, const T& power,
            const Mask& counts = Mask(true), const Mask& motors_off = Mask(false));
 
-  /// The figures of one lane so far.
+  /// The metrics of one lane so far.
   [[nodiscard]] MetricValues values(int which = 0) const;
 
  private:
-  // A sum of squares over time, and the greatest square.
+  // Integral of squares over time, and the maximum square.
   struct Squares {
     T sum = T(0);
-    T most = T(0);
+    T max_square = T(0);
     T time = T(0);
 
     void add(const Mask& counts, const T& square, double dt) {
       sum += select(counts, square * T(dt), T(0));
-      most = select(both(counts, square > most), square, most);
+      max_square = select(logical_and(counts, square > max_square), square, max_square);
       time += select(counts, T(dt), T(0));
     }
     [[nodiscard]] double rms(int i) const {
       return lane(time, i) > 0 ? std::sqrt(lane(sum, i) / lane(time, i)) : kNone;
     }
     [[nodiscard]] double max(int i) const {
-      return lane(time, i) > 0 ? std::sqrt(lane(most, i)) : kNone;
+      return lane(time, i) > 0 ? std::sqrt(lane(max_square, i)) : kNone;
     }
   };
 
-  // Sums of control periods fall this short of a window that they make up [s].
+  // Tolerance when a sum of control periods is compared with the window [s].
   static constexpr double kRounding = 1e-6;
-  // A reference that moves by less in a period stands still [m, rad].
+  // A reference that moves by less than this per period counts as constant [m, rad].
   static constexpr double kStill = 1e-9;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -122,14 +127,14 @@ class FlightMetrics {
   [[nodiscard]] static T squared(const T& x, const T& y, const T& z) {
     return x * x + y * y + z * z;
   }
-  // The same angle within ±π, for |angle| < 2⁵⁰; both directions are equally near at ±π.
-  [[nodiscard]] static T wrapped(const T& angle) {
+  // The angle wrapped to ±π, for |angle| < 2⁵⁰; at ±π either sign is possible.
+  [[nodiscard]] static T wrap_angle(const T& angle) {
     constexpr double kMagic = 6755399441055744.0;  // 1.5 · 2⁵²: adding it rounds to an integer
     const T turns = (angle * T(0.5 / std::numbers::pi) + T(kMagic)) - T(kMagic);
     return angle - turns * T(2 * std::numbers::pi);
   }
-  static void keep_greater(const Mask& counts, const T& value, T& most) {
-    most = select(both(counts, value > most), value, most);
+  static void keep_greater(const Mask& counts, const T& value, T& max) {
+    max = select(logical_and(counts, value > max), value, max);
   }
 
   void add_hold(double t, double dt, const StateVector<T>& x, const Reference<T>& reference,
@@ -145,10 +150,10 @@ class FlightMetrics {
 
   SettlingRule rule_;
   T duration_ = T(0);
-  Mask spoilt_ = Mask(false);  ///< something was not finite
+  Mask spoilt_ = Mask(false);  ///< a value was not finite
 
-  // Holds: the one that lasts now, and the worst so far.
-  Mask flew_ = Mask(false);  ///< whether the period before was one of flying
+  // The current hold, and the worst values of all holds so far.
+  Mask flew_ = Mask(false);  ///< whether the previous period was one of flying
   Vector3<T> reference_ = Vector3<T>::Zero();
   T reference_yaw_ = T(0);
   Mask holds_ = Mask(false);
@@ -156,7 +161,7 @@ class FlightMetrics {
   T hold_begin_ = T(0);
   T hold_end_ = T(0);           ///< of the latest period
   T outside_until_ = T(0);      ///< end of the last period outside the band
-  Mask outside_ = Mask(false);  ///< whether the latest period is
+  Mask outside_ = Mask(false);  ///< whether the latest period is outside the band
   Vector3<T> direction_ = Vector3<T>::Zero();
   T step_ = T(0);
   T passed_ = T(0);
@@ -183,12 +188,12 @@ class FlightMetrics {
 
   Mask airborne_ = Mask(false);
   T height_before_ = T(0);
-  T sinking_ = T(0);  ///< mean downward speed between the two periods before
+  T sinking_ = T(0);  ///< mean downward speed between the previous two periods
   Mask touched_ = Mask(false);
   T touchdown_ = T(0);
 
-  Mask rises_ = Mask(false);    ///< whether it took off, or flew, at all
-  T highest_reference_ = T(0);  ///< since then
+  Mask rises_ = Mask(false);    ///< whether the vehicle has taken off or flown
+  T highest_reference_ = T(0);  ///< since take-off
   T peak_ = T(0);
 };
 
@@ -198,11 +203,12 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
                            const Mask& saturated, const T& power, const Mask& counts,
                            const Mask& motors_off) {
   T sum = power;
-  for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);  // NaN where not finite
-  spoilt_ = either(spoilt_, both(counts, negated(is_finite(sum))));
+  // NaN if any entry is not finite
+  for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);
+  spoilt_ = logical_or(spoilt_, logical_and(counts, logical_not(is_finite(sum))));
 
-  const Mask flying =
-      both(both(counts, negated(motors_off)), Mask(reference.phase == FlightPhase::flying));
+  const Mask flying = logical_and(logical_and(counts, logical_not(motors_off)),
+                                  Mask(reference.phase == FlightPhase::flying));
   add_hold(t, dt, x, reference, flying, counts);
   add_tracking(t, dt, x, reference, flying);
   flew_ = select(counts, flying, flew_);
@@ -213,14 +219,14 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
   add_ground(dt, -x(kPosition + 2), counts);
   add_tilt(x(kAttitude), x(kAttitude + 1), counts);
   if (reference.phase == FlightPhase::take_off || reference.phase == FlightPhase::flying)
-    add_peak(-x(kPosition + 2), reference, both(counts, negated(motors_off)));
+    add_peak(-x(kPosition + 2), reference, logical_and(counts, logical_not(motors_off)));
   keep_greater(counts, squared(x(kVelocity), x(kVelocity + 1), x(kVelocity + 2)), speed_squared_);
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   final_squared_ = select(counts, squared(off(0), off(1), off(2)), final_squared_);
-  saturation_ += select(both(counts, saturated), T(dt), T(0));
+  saturation_ += select(logical_and(counts, saturated), T(dt), T(0));
   energy_ += select(counts, power * T(dt), T(0));
   duration_ += select(counts, T(dt), T(0));
-  begun_ = either(begun_, counts);
+  begun_ = logical_or(begun_, counts);
 }
 
 template <class T>
@@ -231,24 +237,26 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
   const T band = T(rule_.band), yaw_band = T(rule_.yaw_band);
   const Vector3<T> change = reference.position - reference_;
   const Vector3<T> unforeseen = change - reference.velocity * T(dt);
-  const T turned = magnitude(reference.yaw - reference_yaw_);
+  const T turned = abs_of(reference.yaw - reference_yaw_);
   const T jump_squared = squared(unforeseen(0), unforeseen(1), unforeseen(2));
-  const Mask jumped = either(jump_squared > band * band, turned > yaw_band);
-  const Mask step = both(flying, either(negated(flew_), jumped));
+  const Mask jumped = logical_or(jump_squared > band * band, turned > yaw_band);
+  const Mask step = logical_and(flying, logical_or(logical_not(flew_), jumped));
   const Vector3<T>& speed = reference.velocity;
-  const Mask goes = either(squared(change(0), change(1), change(2)) > T(kStill * kStill),
-                           squared(speed(0), speed(1), speed(2)) > T(0));
-  const Mask moved = either(goes, turned > T(kStill));
-  const Mask asked = both(flying, Mask(reference.track_position));
-  const Mask ends = both(both(counts, holds_), either(negated(asked), either(step, moved)));
+  const Mask goes = logical_or(squared(change(0), change(1), change(2)) > T(kStill * kStill),
+                               squared(speed(0), speed(1), speed(2)) > T(0));
+  const Mask moved = logical_or(goes, turned > T(kStill));
+  const Mask asked = logical_and(flying, Mask(reference.track_position));
+  const Mask ends = logical_and(logical_and(counts, holds_),
+                                logical_or(logical_not(asked), logical_or(step, moved)));
   close_hold(ends);
-  const Mask begins = both(asked, either(step, both(negated(moved), negated(holds_))));
-  holds_ = both(either(begins, holds_), either(begins, negated(ends)));
+  const Mask begins =
+      logical_and(asked, logical_or(step, logical_and(logical_not(moved), logical_not(holds_))));
+  holds_ = logical_and(logical_or(begins, holds_), logical_or(begins, logical_not(ends)));
 
-  // p and r in the period in which the hold begins.
+  // p and r in the first period of the hold.
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   const T distance = sqrt(squared(off(0), off(1), off(2)));
-  const T yaw_off = wrapped(x(kAttitude + 2) - reference.yaw);
+  const T yaw_off = wrap_angle(x(kAttitude + 2) - reference.yaw);
   from_step_ = select(begins, step, from_step_);
   hold_begin_ = select(begins, T(t), hold_begin_);
   outside_until_ = select(begins, T(t), outside_until_);
@@ -262,14 +270,14 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
 
   last_step_ = select(step, T(t), last_step_);
 
-  const Mask goes_on = both(counts, holds_);
+  const Mask goes_on = logical_and(counts, holds_);
   const T end = T(t + dt);
   hold_end_ = select(goes_on, end, hold_end_);
   const T settled = T(std::max(rule_.band, rule_.settled_band));
   const T yaw_settled = T(std::max(rule_.yaw_band, rule_.settled_yaw_band));
   outside_ =
-      select(goes_on, either(distance > settled, magnitude(yaw_off) > yaw_settled), outside_);
-  outside_until_ = select(both(goes_on, outside_), end, outside_until_);
+      select(goes_on, logical_or(distance > settled, abs_of(yaw_off) > yaw_settled), outside_);
+  outside_until_ = select(logical_and(goes_on, outside_), end, outside_until_);
   const T along = off(0) * direction_(0) + off(1) * direction_(1) + off(2) * direction_(2);
   keep_greater(goes_on, along, passed_);
   keep_greater(goes_on, select(yaw_step_ < T(0), -yaw_off, yaw_off), yaw_passed_);
@@ -277,29 +285,30 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
 
 template <class T>
 void FlightMetrics<T>::close_hold(const Mask& closes) {
-  const Mask judged = both(closes, hold_end_ - hold_begin_ >= T(rule_.window - kRounding));
+  const Mask judged = logical_and(closes, hold_end_ - hold_begin_ >= T(rule_.window - kRounding));
   const T settling = select(outside_, T(kNever), outside_until_ - hold_begin_);
   keep_greater(judged, settling, settling_);
-  judged_ = either(judged_, judged);
-  const Mask stepped = both(judged, both(from_step_, step_ > T(rule_.band)));
+  judged_ = logical_or(judged_, judged);
+  const Mask stepped = logical_and(judged, logical_and(from_step_, step_ > T(rule_.band)));
   keep_greater(stepped, passed_ / step_, overshoot_);
-  stepped_ = either(stepped_, stepped);
-  const T yaw_step = magnitude(yaw_step_);
-  const Mask yaw_stepped = both(judged, both(from_step_, yaw_step > T(rule_.yaw_band)));
+  stepped_ = logical_or(stepped_, stepped);
+  const T yaw_step = abs_of(yaw_step_);
+  const Mask yaw_stepped =
+      logical_and(judged, logical_and(from_step_, yaw_step > T(rule_.yaw_band)));
   keep_greater(yaw_stepped, yaw_passed_ / yaw_step, yaw_overshoot_);
-  yaw_stepped_ = either(yaw_stepped_, yaw_stepped);
+  yaw_stepped_ = logical_or(yaw_stepped_, yaw_stepped);
 }
 
 template <class T>
 void FlightMetrics<T>::add_tracking(double t, double dt, const StateVector<T>& x,
                                     const Reference<T>& reference, const Mask& flying) {
-  const Mask counted = both(flying, T(t) - last_step_ >= T(rule_.window - kRounding));
+  const Mask counted = logical_and(flying, T(t) - last_step_ >= T(rule_.window - kRounding));
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   const T vertical = off(2) * off(2);
   const T whole = squared(off(0), off(1), off(2));
   tracking_.add(counted, reference.track_position ? whole : vertical, dt);
   height_.add(counted, vertical, dt);
-  const T yaw_off = wrapped(x(kAttitude + 2) - reference.yaw);
+  const T yaw_off = wrap_angle(x(kAttitude + 2) - reference.yaw);
   yaw_.add(counted, yaw_off * yaw_off, dt);
 }
 
@@ -309,7 +318,7 @@ void FlightMetrics<T>::add_estimate(double dt, const StateVector<T>& x, const Es
   const Vector3<T> error =
       estimate.x.template segment<3>(kPosition) - x.template segment<3>(kPosition);
   estimate_.add(counts, squared(error(0), error(1), error(2)), dt);
-  const Mask first = both(counts, negated(begun_));
+  const Mask first = logical_and(counts, logical_not(begun_));
   for (int i = 0; i < 2; ++i) first_error_(i) = select(first, error(i), first_error_(i));
   const T north = error(0) - first_error_(0), east = error(1) - first_error_(1);
   drift_squared_ = select(counts, north * north + east * east, drift_squared_);
@@ -317,10 +326,11 @@ void FlightMetrics<T>::add_estimate(double dt, const StateVector<T>& x, const Es
 
 template <class T>
 void FlightMetrics<T>::add_ground(double dt, const T& height, const Mask& counts) {
-  const Mask touches = both(both(counts, airborne_), height <= T(kGroundHeight));
+  const Mask touches = logical_and(logical_and(counts, airborne_), height <= T(kGroundHeight));
   keep_greater(touches, sinking_, touchdown_);
-  touched_ = either(touched_, touches);
-  const Mask up = either(both(airborne_, negated(touches)), height > T(kAirborneHeight));
+  touched_ = logical_or(touched_, touches);
+  const Mask up =
+      logical_or(logical_and(airborne_, logical_not(touches)), height > T(kAirborneHeight));
   airborne_ = select(counts, up, airborne_);
   const T sunk = select(begun_, (height_before_ - height) / T(dt), T(0));
   sinking_ = select(counts, sunk, sinking_);
@@ -329,9 +339,10 @@ void FlightMetrics<T>::add_ground(double dt, const T& height, const Mask& counts
 
 template <class T>
 void FlightMetrics<T>::add_tilt(const T& roll, const T& pitch, const Mask& counts) {
-  // On a sphere the third side of a right-angled triangle is at most what it is on a plane, so a
-  // greater tilt than any before is rare, and its sines need not be packed.
-  const Mask may_be_greater = both(counts, roll * roll + pitch * pitch > tilt_ * tilt_);
+  // The angle between the axes is at most √(roll² + pitch²): on a sphere the hypotenuse of a right
+  // triangle is not longer than in the plane. A new maximum is therefore rare, and its sines need
+  // not be computed in lanes.
+  const Mask may_be_greater = logical_and(counts, roll * roll + pitch * pitch > tilt_ * tilt_);
   if (!any(may_be_greater)) return;
   for (int i = 0; i < kLanesOf<T>; ++i) {
     if (!lane(may_be_greater, i)) continue;
@@ -346,11 +357,11 @@ template <class T>
 void FlightMetrics<T>::add_peak(const T& height, const Reference<T>& reference,
                                 const Mask& counts) {
   const T asked = -reference.position(2);
-  const Mask begins = both(counts, negated(rises_));
+  const Mask begins = logical_and(counts, logical_not(rises_));
   highest_reference_ = select(begins, asked, highest_reference_);
   keep_greater(counts, asked, highest_reference_);
   keep_greater(counts, T(height - highest_reference_), peak_);
-  rises_ = either(rises_, counts);
+  rises_ = logical_or(rises_, counts);
 }
 
 template <class T>

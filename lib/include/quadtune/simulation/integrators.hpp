@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One step of x' = f(t, x) by a fixed-step method. The state is anything that can be added and
-/// multiplied by a number; t and h are numbers.
+/// One step of x' = f(t, x) by a fixed-step method. The state is of any type that supports addition
+/// and multiplication by a number; t and h are numbers.
 #pragma once
 
 #include <string>
@@ -9,20 +9,21 @@
 
 namespace quadtune {
 
-/// Ways to carry the state over one step.
+/// Integration methods with a fixed step.
 enum class Integrator {
   euler,               ///< order 1
-  bogacki_shampine_3,  ///< order 3, three evaluations: what the model projects use
-  runge_kutta_4,       ///< order 4, the classical one
+  bogacki_shampine_3,  ///< order 3, three evaluations; used by the original model projects
+  runge_kutta_4,       ///< order 4, the classical method
 };
 
 /// "euler", "bogacki-shampine-3", "runge-kutta-4".
 [[nodiscard]] std::string to_string(Integrator integrator);
-/// @throws InvalidInput  naming the word and the three that exist.
+/// Parses the name of an integrator.
+/// @throws InvalidInput  naming the unknown word and the three known ones
 [[nodiscard]] Integrator integrator(const std::string& name, const std::string& where);
 
-/// combine(x, k ...), component by component where the state is a vector of few: what is stored in
-/// parts and loaded whole makes the processor wait.
+/// combine(x, k ...), component by component if the state is a short vector: storing components and
+/// then loading the whole vector would stall the processor.
 template <class Combine, class State, class... States>
 [[nodiscard, gnu::always_inline]] inline State combined(Combine&& combine, const State& x,
                                                         const States&... k) {
@@ -42,7 +43,7 @@ template <class Combine, class State, class... States>
   }
 }
 
-/// x + k h
+/// Computes x + k h.
 template <class State>
 [[nodiscard, gnu::always_inline]] inline State moved(const State& x, const State& k, double h) {
   return combined([h](const auto& x_i, const auto& k_i) { return x_i + k_i * h; }, x, k);
@@ -53,7 +54,8 @@ template <class State, class Derivative>
   return moved(x, State(f(t, x)), h);
 }
 
-/// The third-order solution of the pair of [Bogacki89], whose second-order one is not needed.
+/// The third-order solution of the pair in [Bogacki89]; the embedded second-order solution is not
+/// used.
 template <class State, class Derivative>
 [[nodiscard]] State bogacki_shampine_3_step(const Derivative& f, double t, const State& x,
                                             double h) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The figures by which a flight is judged: names, units, limits. How each is measured is said in
-/// flight_metrics.hpp.
+/// The metrics by which a flight is judged: names, units, limits. flight_metrics.hpp defines how
+/// each is computed.
 #pragma once
 
 #include <array>
@@ -12,43 +12,43 @@
 
 namespace quadtune {
 
-/// Every figure of a flight, in the order in which they are printed.
+/// All metrics of a flight, in the order of output.
 enum class Metric {
-  duration,         ///< how long it was flown [s]
-  settling_time,    ///< until the vehicle stays where it should, the worst [s]
-  overshoot,        ///< beyond where it should be, as a share of the step, the worst [1]
-  yaw_overshoot,    ///< the same of the yaw [1]
+  duration,         ///< duration of the flight [s]
+  settling_time,    ///< maximum time until the vehicle remains within the band [s]
+  overshoot,        ///< maximum overshoot as a fraction of the step [1]
+  yaw_overshoot,    ///< the same for the yaw [1]
   tracking_rms,     ///< distance from the reference, root mean square [m]
-  tracking_max,     ///< and greatest [m]
-  height_rms,       ///< its vertical part, root mean square [m]
-  height_max,       ///< and greatest size [m]
-  yaw_rms,          ///< yaw off the reference, root mean square [rad]
-  yaw_max,          ///< and greatest size [rad]
-  tilt_max,         ///< greatest angle between the body's z axis and the vertical [rad]
-  speed_max,        ///< greatest speed [m/s]
-  saturation_time,  ///< for which some motor was at a limit [s]
-  energy,           ///< of the motors [J]
-  estimate_rms,     ///< distance from the true to the believed position, root mean square [m]
-  estimate_max,     ///< and greatest [m]
-  position_drift,   ///< how far that error went horizontally from first to last [m]
+  tracking_max,     ///< distance from the reference, maximum [m]
+  height_rms,       ///< height error, root mean square [m]
+  height_max,       ///< height error, maximum magnitude [m]
+  yaw_rms,          ///< yaw error, root mean square [rad]
+  yaw_max,          ///< yaw error, maximum magnitude [rad]
+  tilt_max,         ///< maximum angle between the body's z axis and the vertical [rad]
+  speed_max,        ///< maximum speed [m/s]
+  saturation_time,  ///< time during which a motor was at a limit [s]
+  energy,           ///< energy consumption of the motors [J]
+  estimate_rms,     ///< position error of the estimate, root mean square [m]
+  estimate_max,     ///< position error of the estimate, maximum [m]
+  position_drift,   ///< horizontal change of that error from the first to the last period [m]
   final_distance,   ///< distance from the reference at the end [m]
-  touchdown_speed,  ///< downward speed at which the ground was met, the worst [m/s]
-  height_peak,      ///< greatest height above the highest reference so far [m]
+  touchdown_speed,  ///< maximum downward speed at touchdown [m/s]
+  height_peak,      ///< maximum height above the highest reference so far [m]
 };
 inline constexpr std::size_t kMetrics = static_cast<std::size_t>(Metric::height_peak) + 1;
 
-/// "settling_time" and "s"; the unit of a share is "1".
+/// Name and unit, e.g. "settling_time" and "s"; the unit of a ratio is "1".
 [[nodiscard]] const std::string& name_of(Metric metric);
 [[nodiscard]] const std::string& unit_of(Metric metric);
 
-/// Names of all, in order.
+/// Names of all metrics, in order.
 [[nodiscard]] std::vector<std::string> metric_names();
 
-/// The metric of that name; none for another word.
+/// The metric with that name; empty if the name is unknown.
 [[nodiscard]] std::optional<Metric> metric_of(const std::string& name);
 
-/// What one flight measured. A figure that the flight does not have is NaN, one that it did not
-/// reach is infinite.
+/// Metrics of one flight. A metric that is undefined for the flight is NaN; one that was not
+/// reached, such as settling, is infinite.
 struct MetricValues {
   std::array<double, kMetrics> value;
 
@@ -57,10 +57,10 @@ struct MetricValues {
   double operator[](Metric metric) const { return value[static_cast<std::size_t>(metric)]; }
 };
 
-/// The greatest value of a metric that is accepted.
+/// Maximum accepted value of a metric.
 struct Limit {
   Metric metric = Metric::duration;
-  double most = 0;  ///< in the metric's unit, ≥ 0
+  double max = 0;  ///< in the metric's unit, ≥ 0
 
   friend bool operator==(const Limit&, const Limit&) = default;
 };
@@ -68,35 +68,35 @@ struct Limit {
 /// The limit's key in a mission file: "settling_time_max_s", "tilt_max_rad", "overshoot_max".
 [[nodiscard]] std::string limit_key(Metric metric);
 
-/// What counts as being where the reference is.
+/// Defines when the vehicle counts as being at the reference.
 struct SettlingRule {
-  double band = 0.05;      ///< of the position [m], > 0
-  double yaw_band = 0.05;  ///< of the yaw [rad], > 0
-  /// How long after a step tracking is not yet judged, and how long a reference must stand still
-  /// for settling to be judged [s], ≥ 0.
+  double band = 0.05;      ///< for the position [m], > 0
+  double yaw_band = 0.05;  ///< for the yaw [rad], > 0
+  /// Time after a step during which tracking is not evaluated, and minimum time for which a
+  /// reference must be constant for settling to be evaluated [s], ≥ 0.
   double window = 5;
-  /// Bands within which the vehicle counts as settled where the sensors cannot know better than
-  /// `band` and `yaw_band` [m, rad]; those apply where these are smaller. Steps are found, and
-  /// overshoot is measured, by `band` and `yaw_band`.
+  /// Bands within which the vehicle counts as settled, if the sensors are not accurate enough for
+  /// `band` and `yaw_band` [m, rad]. The larger of each pair applies. Steps and overshoot are
+  /// always evaluated with `band` and `yaw_band`.
   double settled_band = 0;
   double settled_yaw_band = 0;
 
   friend bool operator==(const SettlingRule&, const SettlingRule&) = default;
 };
 
-/// One limit held against one flight.
+/// Comparison of one metric of a flight with its limit.
 struct LimitCheck {
   Metric metric = Metric::duration;
-  double value = 0;  ///< what was measured; NaN where there was nothing to measure
+  double value = 0;  ///< value of the metric; NaN if it is undefined
   double bound = 0;
-  bool at_least = false;  ///< the bound is the least value, else the greatest
-  bool ok = false;        ///< never for NaN
+  bool at_least = false;  ///< the bound is a minimum, otherwise a maximum
+  bool ok = false;        ///< false if the value is NaN
 };
 
-/// All of a mission's limits.
+/// Result of all limits of a mission.
 struct Verdict {
   std::vector<LimitCheck> checks;
-  bool ok = false;  ///< whether every check is
+  bool ok = false;  ///< whether every check is satisfied
 };
 
 }  // namespace quadtune

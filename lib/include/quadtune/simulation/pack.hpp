@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Several numbers that are computed with as one: each lane is a flight of its own.
+/// SIMD packs: several numbers that are computed with as one. Each lane belongs to a separate
+/// flight.
 ///
-/// Every operation is that of IEEE 754 lane by lane, the functions below are sums and products of
-/// such operations, and nothing is contracted: what a lane computes does not depend on how many
-/// there are. A simulation over Pack<1> and one over Pack<8> give the same bytes.
+/// Every operation is the IEEE 754 operation in each lane, the functions below consist of such
+/// operations, and no operations are contracted (fused). The result of a lane therefore does not
+/// depend on the number of lanes: simulations over Pack<1> and Pack<8> give identical bytes.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +21,7 @@
 
 namespace quadtune {
 
-/// Lanes that a register of the machine compiled for holds.
+/// Number of lanes of a register of the target machine.
 #if defined(__AVX512F__)
 inline constexpr int kPackLanes = 8;
 #elif defined(__AVX__)
@@ -42,11 +43,11 @@ struct PackTypes<1> {
   using Words = std::uint64_t;
 };
 
-/// One truth value a lane.
+/// One Boolean value per lane.
 template <int N>
 struct Mask {
   using Bits = typename PackTypes<N>::Bits;
-  Bits bits{};  ///< all ones or zero, lane by lane
+  Bits bits{};  ///< all ones or all zeros in each lane
 
   Mask() = default;
   Mask(bool value) : bits(Bits{} - (value ? 1 : 0)) {}  // NOLINT: a constant is a mask too
@@ -56,9 +57,9 @@ struct Mask {
     return m;
   }
 
-  friend Mask both(Mask a, Mask b) { return of(a.bits & b.bits); }
-  friend Mask either(Mask a, Mask b) { return of(a.bits | b.bits); }
-  friend Mask negated(Mask a) { return of(~a.bits); }
+  friend Mask logical_and(Mask a, Mask b) { return of(a.bits & b.bits); }
+  friend Mask logical_or(Mask a, Mask b) { return of(a.bits | b.bits); }
+  friend Mask logical_not(Mask a) { return of(~a.bits); }
   friend Mask select(Mask m, Mask a, Mask b) { return of((m.bits & a.bits) | (~m.bits & b.bits)); }
   friend bool lane(const Mask& m, int i) { return m.bits[i] != 0; }
   friend void set_lane(Mask& m, int i, bool value) { m.bits[i] = value ? -1 : 0; }
@@ -67,7 +68,7 @@ struct Mask {
     for (int i = 0; i < N; ++i) result |= m.bits[i];
     return result != 0;
   }
-  friend bool all(const Mask& m) { return !any(negated(m)); }
+  friend bool all(const Mask& m) { return !any(logical_not(m)); }
 };
 
 template <>
@@ -77,9 +78,9 @@ struct Mask<1> {
   Mask() = default;
   Mask(bool value) : bits(value) {}  // NOLINT: as above
 
-  friend Mask both(Mask a, Mask b) { return {a.bits && b.bits}; }
-  friend Mask either(Mask a, Mask b) { return {a.bits || b.bits}; }
-  friend Mask negated(Mask a) { return {!a.bits}; }
+  friend Mask logical_and(Mask a, Mask b) { return {a.bits && b.bits}; }
+  friend Mask logical_or(Mask a, Mask b) { return {a.bits || b.bits}; }
+  friend Mask logical_not(Mask a) { return {!a.bits}; }
   friend Mask select(Mask m, Mask a, Mask b) { return m.bits ? a : b; }
   friend bool lane(const Mask& m, int) { return m.bits; }
   friend void set_lane(Mask& m, int, bool value) { m.bits = value; }
@@ -94,7 +95,7 @@ struct Pack {
   Numbers v;
 
   Pack() = default;
-  // Written out so that numbers are copied as numbers, not as bytes: GCC then keeps more of them in
+  // Explicit copy operations copy numbers rather than bytes, so that GCC keeps more of them in
   // registers.
   Pack(const Pack& other) : v(other.v) {}
   Pack& operator=(const Pack& other) {
@@ -134,13 +135,11 @@ struct Pack {
   friend Mask<N> operator!=(Pack a, Pack b) { return mask(a.v != b.v); }
 
   friend Pack select(Mask<N> m, Pack a, Pack b) { return of(m.bits ? a.v : b.v); }
-  friend Pack lesser(Pack a, Pack b) { return of(a.v < b.v ? a.v : b.v); }
-  friend Pack greater(Pack a, Pack b) { return of(a.v > b.v ? a.v : b.v); }
-  friend Pack magnitude(Pack a) { return of(a.v < Numbers{} ? -a.v : a.v); }
-  friend Pack abs(Pack a) { return magnitude(a); }
-  friend Mask<N> is_finite(Pack a) {
-    return magnitude(a) <= Pack(std::numeric_limits<double>::max());
-  }
+  friend Pack min_of(Pack a, Pack b) { return of(a.v < b.v ? a.v : b.v); }
+  friend Pack max_of(Pack a, Pack b) { return of(a.v > b.v ? a.v : b.v); }
+  friend Pack abs_of(Pack a) { return of(a.v < Numbers{} ? -a.v : a.v); }
+  friend Pack abs(Pack a) { return abs_of(a); }
+  friend Mask<N> is_finite(Pack a) { return abs_of(a) <= Pack(std::numeric_limits<double>::max()); }
   friend double lane(const Pack& a, int i) {
     if constexpr (N == 1) {
       return a.v;
@@ -156,7 +155,7 @@ struct Pack {
     }
   }
 
-  /// Whole numbers of at most 2⁵² in size.
+  /// Converts integers of magnitude at most 2⁵².
   static Pack of_whole(Bits from) {
     if constexpr (N == 1) {
       return of(static_cast<double>(from));
@@ -164,7 +163,7 @@ struct Pack {
       return of(__builtin_convertvector(from, Numbers));
     }
   }
-  /// The bits of the numbers, to take their parts.
+  /// The bits of the numbers, for access to their exponents and mantissas.
   [[nodiscard]] Bits bits() const { return std::bit_cast<Bits>(v); }
   static Pack of_bits(Bits b) { return of(std::bit_cast<Numbers>(b)); }
 
@@ -182,10 +181,10 @@ struct Pack {
     for (int i = 0; i < N; ++i) set_lane(a, i, std::sqrt(lane(a, i)));
     return a;
   }
-  /// To the nearest integer, ties to even; |a| < 2⁵¹.
+  /// Rounds to the nearest integer, ties to even; |a| < 2⁵¹.
   friend Pack nearest(Pack a) {
     constexpr double kMagic = 6755399441055744.0;  // 1.5 · 2⁵²
-    // The sign of a zero aside, this is rounding.
+    // Rounding, except for the sign of a zero.
     return (a + kMagic) - kMagic;
   }
 };
@@ -197,7 +196,7 @@ struct MaskOfScalar<Pack<N>> {
 template <int N>
 inline constexpr int kLanesOf<Pack<N>> = N;
 
-/// f lane by lane, for what is rare.
+/// Applies f to each lane; for rare operations.
 template <int N, class Function>
 [[nodiscard]] Pack<N> map_lanes(Pack<N> a, Function&& f) {
   for (int i = 0; i < N; ++i) set_lane(a, i, f(lane(a, i)));
@@ -215,7 +214,7 @@ struct NumTraits<quadtune::Pack<N>> : NumTraits<double> {
   using Literal = double;
   enum { RequireInitialization = 0 };
 };
-/// A number times or over a matrix of packs is that number in every lane.
+/// Allows a double times or over a matrix of packs; the number applies to every lane.
 template <int N, class Operation>
 struct ScalarBinaryOpTraits<quadtune::Pack<N>, double, Operation> {
   using ReturnType = quadtune::Pack<N>;

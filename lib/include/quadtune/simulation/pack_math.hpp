@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sines, arc tangents, logarithms and exponentials of packs, from sums and products alone, so that
-/// every lane gets the same bytes however many there are and whatever the C library is.
+/// Elementary functions of packs, computed by IEEE 754 operations only, so that every lane gets
+/// identical bytes whatever the number of lanes and the C library.
 ///
-/// Errors stay below 2 units in the last place, those of tan, asin, acos and atan2 below 4 and
-/// those of pow below 3 (1 + |y log x|) (tests/lib/model/pack_math_test.cpp). Coefficients:
-/// [Cephes], [fdlibm].
+/// Errors are below 2 units in the last place, those of tan, asin, acos and atan2 below 4 and those
+/// of pow below 3 (1 + |y log x|) (tests/lib/model/pack_math_test.cpp). Coefficients: [Cephes],
+/// [fdlibm].
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@
 namespace quadtune {
 namespace internal {
 
-/// c₀ xⁿ + … + cₙ, and the same with a leading 1.
+/// c₀ xⁿ + … + cₙ, and a variant with leading coefficient 1.
 template <int N, std::size_t Count>
 [[nodiscard]] inline Pack<N> polynomial(Pack<N> x, const double (&c)[Count]) {
   Pack<N> sum = c[0];
@@ -47,11 +47,11 @@ struct SineAndCosine {
   Pack<N> cosine;
 };
 
-/// |x| ≤ 1e5; beyond it the reduction loses digits slowly.
+/// For |x| ≤ 1e5; beyond that the argument reduction gradually loses accuracy.
 template <int N>
 [[nodiscard]] inline SineAndCosine<N> sine_and_cosine(Pack<N> x) {
   using P = Pack<N>;
-  // π/2 in three parts of 33, 33 and 53 bits: k times the first two is exact.
+  // π/2 as a sum of three numbers of 33, 33 and 53 bits: k times each of the first two is exact.
   constexpr double kPart1 = 1.57079632673412561417e+00;
   constexpr double kPart2 = 6.07710050630396597660e-11;
   constexpr double kPart3 = 2.02226624879595063154e-21;
@@ -70,8 +70,9 @@ template <int N>
   const Mask<N> second = bit_is_set(k, 1);  // of the half turns
   const P s = select(odd, cosine, sine);
   const P c = select(odd, sine, cosine);
-  return {select(second, -s, s),
-          select(either(both(odd, negated(second)), both(second, negated(odd))), -c, c)};
+  return {select(second, -s, s), select(logical_or(logical_and(odd, logical_not(second)),
+                                                   logical_and(second, logical_not(odd))),
+                                        -c, c)};
 }
 
 }  // namespace internal
@@ -99,10 +100,11 @@ template <int N>
   constexpr double kQ[] = {2.485846490142306297962e1, 1.650270098316988542046e2,
                            4.328810604912902668951e2, 4.853903996359136964868e2,
                            1.945506571482613964425e2};
-  constexpr double kRest = 6.123233995736765886130e-17;  // π/2 beyond a double
-  const P a = magnitude(x);
+  // The part of π/2 beyond the precision of a double
+  constexpr double kRest = 6.123233995736765886130e-17;
+  const P a = abs_of(x);
   const Mask<N> large = a > P(2.41421356237309504880);  // tan 3π/8
-  const Mask<N> middle = both(negated(large), a > P(0.66));
+  const Mask<N> middle = logical_and(logical_not(large), a > P(0.66));
   const P reduced = select(large, P(-1) / a, select(middle, (a - P(1)) / (a + P(1)), a));
   const P base = select(large, P(std::numbers::pi / 2), select(middle, P(std::numbers::pi / 4), 0));
   const P rest = select(large, P(kRest), select(middle, P(0.5 * kRest), 0));
@@ -112,23 +114,23 @@ template <int N>
   return select(x < P(0), -angle, angle);
 }
 
-/// In [-π, π]; 0 for y = x = 0, NaN where both are infinite. The sign of zeros is not looked at.
+/// In [-π, π]; 0 for y = x = 0, NaN if both are infinite. The sign of zeros is ignored.
 template <int N>
 [[nodiscard]] inline Pack<N> atan2(Pack<N> y, Pack<N> x) {
   using P = Pack<N>;
-  const P ay = magnitude(y);
-  const P ax = magnitude(x);
+  const P ay = abs_of(y);
+  const P ax = abs_of(x);
   const Mask<N> steep = ay > ax;
-  const P most = greater(ay, ax);
-  const P ratio = select(most > P(0), lesser(ay, ax) / most, P(0));
+  const P max = max_of(ay, ax);
+  const P ratio = select(max > P(0), min_of(ay, ax) / max, P(0));
   P angle = atan(ratio);
   angle = select(steep, P(std::numbers::pi / 2) - angle, angle);
   angle = select(x < P(0), P(std::numbers::pi) - angle, angle);
   const P result = select(y < P(0), -angle, angle);
-  return select(both(ay == ay, ax == ax), result, y + x);  // NaN stays NaN
+  return select(logical_and(ay == ay, ax == ax), result, y + x);  // NaN stays NaN
 }
 
-/// |x| ≤ 1; NaN beyond.
+/// For |x| ≤ 1; NaN otherwise.
 template <int N>
 [[nodiscard]] inline Pack<N> asin(Pack<N> x) {
   return atan2(x, sqrt((Pack<N>(1) - x) * (Pack<N>(1) + x)));
@@ -138,7 +140,7 @@ template <int N>
   return atan2(sqrt((Pack<N>(1) - x) * (Pack<N>(1) + x)), x);
 }
 
-/// Natural logarithm of normal numbers > 0; -∞ for 0, NaN for less.
+/// Natural logarithm of normal numbers > 0; -∞ for 0, NaN for negative numbers.
 template <int N>
 [[nodiscard]] inline Pack<N> log(Pack<N> x) {
   using P = Pack<N>;
@@ -154,7 +156,7 @@ template <int N>
   const Bits bits = x.bits();
   const Bits exponent = ((bits >> 52) & 0x7ff) - 1022;
   P m = P::of_bits((bits & 0x000fffffffffffffLL) | 0x3fe0000000000000LL);
-  // An integer below 2⁵¹ added to the bits of 1.5 · 2⁵² is that number in its last places.
+  // Adding an integer below 2⁵¹ to the bits of 1.5 · 2⁵² puts that integer in the last places.
   P e = P::of_bits(exponent + P(6755399441055744.0).bits()) - P(6755399441055744.0);
   const Mask<N> low = m < P(kSqrtHalf);
   e = select(low, e - P(1), e);
@@ -169,7 +171,7 @@ template <int N>
                 select(x == P(0), P(-infinity), P(std::numeric_limits<double>::quiet_NaN())));
 }
 
-/// 0 below -708, ∞ above 709.
+/// 0 for x < -708, ∞ for x > 709.
 template <int N>
 [[nodiscard]] inline Pack<N> exp(Pack<N> x) {
   using P = Pack<N>;

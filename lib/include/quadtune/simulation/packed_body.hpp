@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Several vehicles' numbers as one body for the equations of motion, a vehicle a lane.
+/// Combines the parameters of several vehicles into one body for the equations of motion, one
+/// vehicle per lane.
 #pragma once
 
 #include <array>
@@ -9,8 +10,8 @@
 
 namespace quadtune {
 
-/// @param bodies  a lane each, with as many rotors as the first. What any of them has, drag or
-///                products of inertia, is computed for all.
+/// @param bodies  one per lane, all with the same number of rotors. Drag and products of inertia
+///                are computed for all lanes if any of the bodies has them.
 template <int N>
 [[nodiscard]] BasicRigidBody<Pack<N>> packed_body(const std::array<RigidBody, N>& bodies) {
   using P = Pack<N>;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The vehicle as it moves: rigid body, rotors with lag, wind and the ground, for commands that are
-/// held. Equations: docs/theory.md, "Simulated flight".
+/// Equations of motion of the simulated vehicle: rigid body, rotors with motor lag, wind and
+/// ground, for commands that are constant over a step. Equations: docs/theory.md, "Simulated
+/// flight".
 #pragma once
 
 #include <Eigen/Core>
@@ -12,53 +13,55 @@
 
 namespace quadtune {
 
-/// Where the parts of the simulated state begin: those of QuaternionState, then the rotors' speeds.
+/// Indices of the simulated state: those of QuaternionState, then the rotor speeds.
 inline constexpr int kQuaternion = 3;
 inline constexpr int kBodyVelocity = 7;
 inline constexpr int kBodyRates = 10;
 inline constexpr int kRotorSpeeds = 13;
 
-/// Level ground at z = 0 under four feet at the corners of a square. Each foot that is in the
-/// ground is pushed out by a spring with damping, and held by friction that grows with its speed up
-/// to Coulomb's.
+/// Level ground at z = 0 under four feet at the corners of a square. A spring with damping pushes
+/// each foot out of the ground, and friction that increases with the speed up to the Coulomb limit
+/// opposes its sliding.
 template <class P>
 struct GroundContact {
   bool present = true;
-  P leg_height = P(0);  ///< of the centre of mass above the feet [m]
-  P leg_reach = P(0);   ///< of each foot from the centre along x and y [m]
-  P stiffness = P(0);   ///< of one foot [N/m]
-  P damping = P(0);     ///< of one foot [N s/m]
+  P leg_height = P(0);  ///< height of the centre of mass above the feet [m]
+  P leg_reach = P(0);   ///< distance of each foot from the centre along x and y [m]
+  P stiffness = P(0);   ///< per foot [N/m]
+  P damping = P(0);     ///< per foot [N s/m]
   P friction = P(0.6);  ///< coefficient [1]
-  P slip = P(0.05);     ///< speed at which friction is 0.7 of its greatest [m/s]
+  P slip = P(0.05);     ///< speed at which friction is 0.7 of its maximum [m/s]
 };
 
-/// Contact as stiff as the step allows: the vehicle on its feet swings with 60 rad/s, critically
-/// damped, so it sinks in by 3 mm at rest, g/60².
-/// @param moment  the least of the body's moments of inertia about x and y [kg m²]
-/// @param reach   of the feet [m]; cut to the radius of gyration, √(moment/mass), for feet that
-///                stand wider rock the vehicle faster than it swings, faster than a step can follow
+/// Contact that is as stiff as the integration step allows: the vehicle on its feet has a natural
+/// frequency of 60 rad/s with critical damping, and sinks in by g/60² = 3 mm at rest.
+/// @param moment  the smaller of the moments of inertia about x and y [kg m²]
+/// @param reach   of the feet [m]; limited to the radius of gyration √(moment/mass), since the
+///                rocking mode of a wider stance would be faster than the vertical one, and too
+///                fast for the step
 template <class P>
 [[nodiscard]] GroundContact<P> ground_contact(P mass, P moment, P reach, P leg_height = P(0)) {
   using std::sqrt;
   constexpr double kFrequency = 60;
   GroundContact<P> ground;
   ground.leg_height = leg_height;
-  ground.leg_reach = lesser(reach, P(sqrt(moment / mass)));
+  ground.leg_reach = min_of(reach, P(sqrt(moment / mass)));
   ground.stiffness = mass * P(kFrequency * kFrequency / 4);
   ground.damping = mass * P(2 * kFrequency / 4);
   return ground;
 }
 
-/// @tparam T  the scalar of state and parameters
-/// @tparam N  rotors whose speed is a state: 0 (no lag: the speed is what is commanded), 4, or
+/// Equations of motion with their parameters.
+/// @tparam T  scalar type of state and parameters
+/// @tparam N  number of rotors whose speed is a state: 0 (no lag: the speed is the command), 4, or
 ///            Eigen::Dynamic for any other number up to kMaxRotors
 template <class T, int N>
 class Plant {
  public:
   static constexpr int kStates = N == Eigen::Dynamic ? Eigen::Dynamic : kRotorSpeeds + N;
-  static constexpr int kMostStates = N == Eigen::Dynamic ? kRotorSpeeds + kMaxRotors : kStates;
+  static constexpr int kMaxStates = N == Eigen::Dynamic ? kRotorSpeeds + kMaxRotors : kStates;
   /// [position(3) quaternion wxyz(4) body velocity(3) body rates(3) rotor speeds(N)]
-  using State = Eigen::Matrix<T, kStates, 1, Eigen::ColMajor, kMostStates, 1>;
+  using State = Eigen::Matrix<T, kStates, 1, Eigen::ColMajor, kMaxStates, 1>;
 
   Plant() = default;
   Plant(const BasicRigidBody<T>& body, const GroundContact<T>& ground_)
@@ -66,7 +69,8 @@ class Plant {
     set_air(body.air_density, body.density_ratio, body.gravity);
   }
 
-  /// Where it flies: density [kg/m³], that over the one of the rotor curves, gravity [m/s²].
+  /// Sets the air density [kg/m³], its ratio to the density of the rotor curves, and gravity
+  /// [m/s²].
   void set_air(const T& density, const T& ratio, const T& gravity) {
     body_.air_density = density;
     body_.density_ratio = ratio;
@@ -87,7 +91,8 @@ class Plant {
   }
   [[nodiscard]] const BasicRigidBody<T>& body() const { return body_; }
 
-  /// Speeds asked of the rotors until the next call [rad/s]; those without lag have them at once.
+  /// Sets the rotor speed commands until the next call [rad/s]; rotors without lag assume them at
+  /// once.
   void command(const RotorSpeeds<T>& asked, State& x) {
     hold(asked);
     if constexpr (N != 0)
@@ -99,20 +104,20 @@ class Plant {
       }
   }
 
-  /// The same for a state whose rotors are known to have followed the command.
+  /// Sets the commands for a state whose rotor speeds have already been set to them.
   void hold(const RotorSpeeds<T>& asked) {
     speeds = asked;
     if constexpr (N == 0) held_ = rotor_loads(body_, speeds);
   }
 
-  /// From now on the vehicle has this mass [kg]; its inertia stays.
+  /// Sets the mass from now on [kg]; the inertia does not change.
   void set_mass(const T& mass) {
     body_.mass = mass;
     body_.inverse_mass = T(1) / mass;
   }
 
-  /// From now on a rotor gives this share of its thrust and drag torque.
-  /// @param i  the first is 0;  @param share  0 … 1
+  /// Multiplies thrust and drag torque of a rotor by `share` from now on.
+  /// @param i  index from 0;  @param share  0 … 1
   void weaken(int i, const T& share) {
     BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
     for (T* number : {&rotor.thrust_a2, &rotor.thrust_a1, &rotor.torque_d2, &rotor.torque_d1,
@@ -122,7 +127,7 @@ class Plant {
     hold(speeds);
   }
 
-  /// Speeds at which the rotors turn.
+  /// Actual speeds of the rotors.
   [[nodiscard]] RotorSpeeds<T> rotor_speeds(const State& x) const {
     if constexpr (N == 0) {
       return speeds;
@@ -133,13 +138,14 @@ class Plant {
     }
   }
 
-  /// Inlined into step(), so that a step's intermediate states stay in registers.
+  /// Inlined into step(), so that the intermediate states of a step stay in registers.
   [[nodiscard, gnu::always_inline]] State derivative(const State& x) const {
     State result;
     if constexpr (N == Eigen::Dynamic) result.resize(x.size());
     RotorLoads<T> loads = rotors(x);
     if constexpr (N != 0) {
-      // w' = (asked - w) / lag; the torque that speeds a rotor up turns the body back.
+      // w' = (asked - w) / lag; the torque that accelerates a rotor acts on the body with the
+      // opposite sign.
       each_rotor([&](int i) __attribute__((always_inline)) {
         const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
         const T missing = speeds(i) - x(kRotorSpeeds + i);
@@ -156,7 +162,7 @@ class Plant {
     return result;
   }
 
-  /// What an accelerometer at the centre of mass feels: v' + w × v - g, body axes [m/s²].
+  /// Specific force at the centre of mass: v' + w × v - g, body axes [m/s²].
   [[nodiscard]] Vector3<T> specific_force(const State& x) const {
     RotorLoads<T> loads = rotors(x);
     if (body_.has_airflow || body_.has_ground_effect) add_air_loads(x, loads);
@@ -166,7 +172,7 @@ class Plant {
     return (loads.force + drag_force(body_, airspeed)) * body_.inverse_mass;
   }
 
-  /// One step, the quaternion brought back to its norm.
+  /// Integrates one step and normalizes the quaternion.
   [[nodiscard]] State step(Integrator method, const State& x, double h) const {
     State next = integrator_step(
         method,
@@ -180,7 +186,8 @@ class Plant {
     return {x(kQuaternion), x(kQuaternion + 1), x(kQuaternion + 2), x(kQuaternion + 3)};
   }
 
-  /// One Newton step for 1/√n at n = 1: what a step leaves of the norm's error is squared.
+  /// One Newton step for 1/√n at n = 1; it squares the relative error of the norm that a step
+  /// leaves.
   static void restore_norm(State& x) {
     const T n = x(3) * x(3) + x(4) * x(4) + (x(5) * x(5) + x(6) * x(6));
     const T factor = T(1.5) - T(0.5) * n;
@@ -188,9 +195,9 @@ class Plant {
   }
 
   GroundContact<T> ground;
-  Vector3<T> wind = Vector3<T>::Zero();  ///< of the air, world axes [m/s], held
+  Vector3<T> wind = Vector3<T>::Zero();  ///< of the air, world axes [m/s], constant over a step
   bool windy = false;                    ///< false: wind is 0
-  RotorSpeeds<T> speeds;                 ///< that are asked for [rad/s], held
+  RotorSpeeds<T> speeds;                 ///< commanded [rad/s], constant over a step
 
  private:
   template <class Function>
@@ -203,7 +210,7 @@ class Plant {
   }
   [[nodiscard]] T reach() const { return ground.leg_height + ground.leg_reach + ground.leg_reach; }
 
-  /// Loads of the rotors as they turn, without that of speeding them up.
+  /// Loads of the rotors at their present speeds, without the torques that accelerate them.
   [[nodiscard, gnu::always_inline]] RotorLoads<T> rotors(const State& x) const {
     if constexpr (N == 0) {
       (void)x;
@@ -237,7 +244,7 @@ class Plant {
     loads.torque += of_air.torque;
   }
 
-  /// What the rotors' motion through the air and the ground below change of their loads.
+  /// Changes of the rotor loads due to the motion through the air and due to ground effect.
   [[nodiscard, gnu::noinline]] RotorLoads<T> air_loads(State x) const {
     RotorLoads<T> loads;
     const Matrix3<T> R = rotation_of_quaternion(x(3), x(4), x(5), x(6));
@@ -268,7 +275,7 @@ class Plant {
     loads.torque += of_ground.torque;
   }
 
-  /// Takes a copy: what a function is given the address of does not stay in registers.
+  /// Takes its argument by value: an object whose address is passed does not stay in registers.
   [[nodiscard, gnu::noinline]] RotorLoads<T> contact(State x) const {
     using std::sqrt;
     RotorLoads<T> loads;
@@ -282,9 +289,9 @@ class Plant {
         const T depth = x(2) + R_WB.row(2).dot(foot);
         const Vector3<T> v = R_WB * Vector3<T>(velocity + rates.cross(foot));
         const MaskOf<T> touches = depth > T(0);
-        // Pushed up, never pulled down.
+        // The ground pushes but never pulls.
         const T push =
-            select(touches, greater(ground.stiffness * depth + ground.damping * v.z(), T(0)), T(0));
+            select(touches, max_of(ground.stiffness * depth + ground.damping * v.z(), T(0)), T(0));
         const T slip = sqrt(v.x() * v.x() + v.y() * v.y() + ground.slip * ground.slip);
         const T drag = ground.friction * push / slip;
         const Vector3<T> force = R_WB.transpose() * Vector3<T>(-drag * v.x(), -drag * v.y(), -push);
@@ -294,19 +301,21 @@ class Plant {
     return loads;
   }
 
-  /// What the equations take from a rotor, at the density that there is.
+  /// Coefficients of a rotor in the equations, at the present air density.
   struct RotorNumbers {
     T thrust_a2 = T(0), thrust_a1 = T(0);
     T torque_d2 = T(0), torque_d1 = T(0);  ///< with the sign of the spin
-    T momentum = T(0);                     ///< of a speed of 1 rad/s, along z [kg m²]
-    T lag_rate = T(0);                     ///< while the speed rises [1/s]; 0: no lag
-    T lag_rate_down = T(0);                ///< while it falls
+    /// Angular momentum at a speed of 1 rad/s, along z [kg m²]
+    T momentum = T(0);
+    T lag_rate = T(0);       ///< while the speed rises [1/s]; 0: no lag
+    T lag_rate_down = T(0);  ///< while the speed falls [1/s]
   };
 
   BasicRigidBody<T> body_;
   std::array<RotorNumbers, kMaxRotors> rotors_{};
   RotorLoads<T> held_;
-  bool uneven_lag_ = false;  ///< whether a rotor's lag differs up and down
+  /// Whether the lag of a rotor differs between rising and falling speed
+  bool uneven_lag_ = false;
 };
 
 }  // namespace quadtune

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Random numbers that depend on nothing but their place: seed, flight, stream and index. There is
-/// no state, so no order of computation changes them.
+/// Random numbers that are functions of seed, flight, stream and index only. There is no state, so
+/// the order of computation does not matter.
 ///
-/// Philox 4×32 with ten rounds [Salmon11]; normal numbers by Box and Muller's transform.
+/// Philox 4×32 with ten rounds [Salmon11]; normal numbers by the Box-Muller transform.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace quadtune {
 
-/// Four random words for a counter of four words and a key of two.
+/// Four random words from a counter of four words and a key of two.
 [[nodiscard]] constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                                             std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
@@ -28,27 +28,27 @@ namespace quadtune {
   return counter;
 }
 
-/// Where the random numbers of some flights come from, a flight a lane.
+/// Source of the random numbers of several flights, one flight per lane.
 template <int N>
 struct RandomSource {
   std::uint64_t seed = 0;
-  std::array<std::uint32_t, N> flight{};  ///< which of the flights with this seed
+  std::array<std::uint32_t, N> flight{};  ///< number of the flight among those with this seed
 };
 
-/// Two independent numbers a lane.
+/// Two independent numbers per lane.
 template <int N>
 struct RandomPair {
   Pack<N> first;
   Pack<N> second;
 };
 
-/// Even in (0, 1), never an end: (k + ½) / 2⁵² for k of 52 bits.
-/// @param stream  which quantity, e.g. the x axis of the gyroscope
-/// @param index   which sample of it
+/// Uniform in the open interval (0, 1): (k + ½) / 2⁵² for an integer k of 52 bits.
+/// @param stream  the quantity, e.g. the x axis of the gyroscope
+/// @param index   number of its sample
 template <int N>
 [[nodiscard]] inline RandomPair<N> random_uniform(const RandomSource<N>& source,
                                                   std::uint32_t stream, std::uint64_t index) {
-  // A word of 32 bits in each of 64, the lanes side by side.
+  // One word of 32 bits in each 64-bit lane.
   using Words = typename PackTypes<N>::Words;
   const Words zero{};
   Words c0 = zero + static_cast<std::uint32_t>(index);

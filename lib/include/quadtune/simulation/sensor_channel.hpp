@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One sensor on its way from what is true to what the flight program gets.
+/// Model of one sensor: converts true values to the samples that the flight program receives.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,18 +17,18 @@
 
 namespace quadtune {
 
-/// A second-order response sampled exactly for inputs that move in a straight line between samples:
-/// (y, y')[k] = A (y, y')[k-1] + b0 u[k-1] + b1 u[k].
+/// A second-order response, sampled exactly for inputs that are linear between samples: (y, y')[k]
+/// = A (y, y')[k-1] + b0 u[k-1] + b1 u[k].
 struct SampledResponse {
   Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
   Eigen::Vector2d b0 = Eigen::Vector2d::Zero();
   Eigen::Vector2d b1 = Eigen::Vector2d(1, 0);
 };
-/// @param natural_frequency  [rad/s], 0: none, y = u;  @param damping  > 0;  @param dt  [s]
+/// @param natural_frequency  [rad/s], 0: no dynamics, y = u;  @param damping  > 0;  @param dt  [s]
 [[nodiscard]] SampledResponse sampled_response(double natural_frequency, double damping, double dt);
 
-/// Instants of something that happens every 1/rate seconds from time 0 on, each counted from the
-/// start so that nothing adds up.
+/// Times of a periodic event with period 1/rate from time 0. Each is computed from its number, so
+/// that rounding errors do not accumulate.
 class SampleClock {
  public:
   SampleClock() = default;
@@ -39,7 +39,7 @@ class SampleClock {
   [[nodiscard]] std::uint64_t index() const { return index_; }
   void advance() { ++index_; }
 
-  /// Instants nearer than this are the same [s].
+  /// Times whose difference is smaller count as equal [s].
   static constexpr double kSlack = 1e-9;
 
  private:
@@ -47,7 +47,7 @@ class SampleClock {
   std::uint64_t index_ = 0;
 };
 
-/// The numbers of SensorFaults, a flight a lane, and the samples on their way.
+/// The SensorFaults of one sensor, one flight per lane, and its samples that have not arrived yet.
 template <int N, int Axes>
 class SensorChannel {
  public:
@@ -55,36 +55,36 @@ class SensorChannel {
   using Values = Eigen::Matrix<P, Axes, 1>;
 
   SensorChannel() = default;
-  /// @param faults  one a lane; all of one rate and one delay
-  /// @param stream  first of four random streams that are this sensor's own
+  /// @param faults  one per lane; all with the same rate and delay
+  /// @param stream  first of four random streams reserved for this sensor
   SensorChannel(const std::array<SensorFaults, N>& faults, std::uint32_t stream);
 
   [[nodiscard]] bool due(double now) const { return clock_.due(now); }
   [[nodiscard]] double next() const { return clock_.next(); }
 
-  /// Takes the sample that is due of what is true at its instant.
-  /// @param lost        lanes in which there is nothing to measure
-  /// @param added       to what the response lets through; nullptr: nothing
-  /// @param more_noise  standard deviation of further noise, in quadrature; nullptr: none
+  /// Measures the sample that is due, given the true value at its time.
+  /// @param lost        lanes in which no measurement is possible
+  /// @param added       added to the output of the response; nullptr: nothing
+  /// @param more_noise  standard deviation of additional independent noise; nullptr: none
   void take(const Values& truth, const RandomSource<N>& source, const Mask<N>& lost = {},
             const Values* added = nullptr, const P* more_noise = nullptr);
 
-  /// Hands over what has arrived by `now`, the newest last; call once a control period.
-  /// @param dt  the control period [s]
+  /// Delivers the newest sample that has arrived by `now`; call once per control period.
+  /// @param dt  control period [s]
   template <class Value>
   void deliver(double now, double dt, Sample<Value, P>& sample) {
     sample.fresh = false;
     sample.age += P(dt);
     while (waiting_ > 0 && queue_[first_].arrival <= now + SampleClock::kSlack) {
       const Pending& come = queue_[first_];
-      const Mask<N> here = negated(come.lost);
+      const Mask<N> here = logical_not(come.lost);
       if constexpr (Axes == 1) {
         sample.value = select(here, come.values(0), sample.value);
       } else {
         for (int i = 0; i < Axes; ++i)
           sample.value(i) = select(here, come.values(i), sample.value(i));
       }
-      sample.fresh = either(sample.fresh, here);
+      sample.fresh = logical_or(sample.fresh, here);
       sample.age = select(here, P(now - come.taken), sample.age);
       first_ = first_ + 1 == queue_.size() ? 0 : first_ + 1;
       --waiting_;
@@ -105,8 +105,8 @@ class SensorChannel {
   bool noisy_ = false, responds_ = false, quantized_ = false, limited_ = false, lossy_ = false;
   Values scale_, bias_, noise_;
   P limit_, quantum_, dropout_;
-  std::array<P, 8> response_;  ///< A by rows, b0, b1
-  Values before_, y_, rate_;   ///< last truth, and the response's state; NaN: none yet
+  std::array<P, 8> response_;  ///< A in row-major order, b0, b1
+  Values before_, y_, rate_;   ///< last true value and state of the response; NaN: none yet
   SensorDrift<N, Axes> drift_;
   std::vector<Pending> queue_;
   std::size_t first_ = 0, waiting_ = 0;
@@ -140,7 +140,8 @@ SensorChannel<N, Axes>::SensorChannel(const std::array<SensorFaults, N>& faults,
                                            r.b0(0),   r.b0(1),   r.b1(0),   r.b1(1)};
     for (std::size_t i = 0; i < 8; ++i) set_lane(response_[i], l, numbers[i]);
   }
-  y_.setConstant(P(std::numeric_limits<double>::quiet_NaN()));  // it begins with the first truth
+  // The response starts with the first true value
+  y_.setConstant(P(std::numeric_limits<double>::quiet_NaN()));
 }
 
 template <int N, int Axes>
@@ -148,8 +149,8 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
                                   const Mask<N>& lost, const Values* added, const P* more_noise) {
   Values y = truth;
   if (responds_) {
-    // At rest on the first truth, and on the first after there was none: a NaN that once entered
-    // the response would never leave it.
+    // Start at rest at the first true value, also after an interval without one: a NaN in the state
+    // of the response would remain there for ever.
     const P none = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < Axes; ++i) {
       const Mask<N> goes_on = y_(i) == y_(i);
@@ -182,14 +183,14 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
     }
   }
   if (limited_)
-    for (int i = 0; i < Axes; ++i)  // a NaN stays one: no echo is not the lower limit
+    for (int i = 0; i < Axes; ++i)  // NaN must stay NaN: no echo is not the lower limit
       y(i) = select(y(i) == y(i), clamped(y(i), P(-limit_), limit_), y(i));
   if (quantized_)
     for (int i = 0; i < Axes; ++i)
       y(i) = select(quantum_ > P(0), nearest(y(i) / quantum_) * quantum_, y(i));
   Mask<N> gone = lost;
-  if (lossy_) gone = either(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
-  if (waiting_ == queue_.size()) {  // more samples in a control period than were expected
+  if (lossy_) gone = logical_or(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
+  if (waiting_ == queue_.size()) {  // more samples in a control period than expected
     std::rotate(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(first_), queue_.end());
     first_ = 0;
     queue_.resize(2 * queue_.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Errors of a sensor that change slowly: a bias drawn at turn-on, a random walk, and an error that
-/// stays alike over a time constant. Equations: docs/theory.md, "Simulated flight".
+/// Slowly varying errors of a sensor: a turn-on bias, a random walk, and an exponentially
+/// correlated error. Equations: docs/theory.md, "Simulated flight".
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace quadtune {
 
-/// A flight a lane.
+/// Drift of one sensor, one flight per lane.
 template <int N, int Axes>
 class SensorDrift {
  public:
@@ -21,9 +21,9 @@ class SensorDrift {
   using Values = Eigen::Matrix<P, Axes, 1>;
 
   SensorDrift() = default;
-  /// @param faults  one a lane; all of one rate
-  /// @param stream  of the sensor: the drift has the streams 256, 512 and 768 above it and the
-  ///                one after each
+  /// @param faults  one per lane; all with the same rate
+  /// @param stream  of the sensor; the drift uses the streams that are 256, 512 and 768 above it,
+  ///                and the one after each
   SensorDrift(const std::array<SensorFaults, N>& faults, std::uint32_t stream) : stream_(stream) {
     const double dt = 1 / faults[0].rate;
     for (int l = 0; l < N; ++l) {
@@ -44,15 +44,15 @@ class SensorDrift {
     error_.setConstant(P(0));
   }
 
-  /// Whether there is any such error.
+  /// Whether any of these errors is present.
   [[nodiscard]] bool present() const { return turns_on_ || walks_ || correlates_; }
 
-  /// Adds the errors of sample `index`; to be called for each index in turn.
+  /// Adds the errors of sample `index`; call it for consecutive indices.
   void add_to(Values& y, std::uint64_t index, const RandomSource<N>& source) {
     if (turns_on_ && index == 0) bias_ += turn_on_.cwiseProduct(normal(256, index, source));
     if (walks_ && index > 0) bias_ += walk_.cwiseProduct(normal(512, index, source));
     if (correlates_) {
-      // g[k] = φ g[k-1] + σ √(1 - φ²) n, stationary from g[0] = σ n on
+      // g[k] = φ g[k-1] + σ √(1 - φ²) n is stationary because it starts with g[0] = σ n.
       const Values n = normal(768, index, source);
       if (index == 0)
         error_ = correlated_.cwiseProduct(n);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Lines, circles and lemniscates that start and stop smoothly, with exact derivatives.
 ///
-/// A path is a curve over a parameter s, and s follows one law in time: it stands until `begin`,
-/// gathers speed over `ramp`, goes on at a constant rate, loses speed over `ramp` and stands. While
-/// it gathers speed, u = (t - begin)/ramp in [0, 1],
+/// A path is a curve with a parameter s that depends on time. s is constant until `begin`,
+/// accelerates over `ramp`, increases at a constant rate, decelerates over `ramp` and is constant
+/// again. While it accelerates, with u = (t - begin)/ramp in [0, 1],
 ///
 ///     s' = rate (6 u⁵ - 15 u⁴ + 10 u³),   s = rate ramp (u⁶ - 3 u⁵ + 5/2 u⁴)
 ///
-/// and the end mirrors it, so that position, velocity, acceleration and jerk have no jump.
+/// The deceleration is the mirror image, so that position, velocity, acceleration and jerk are
+/// continuous.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,36 +17,37 @@
 
 namespace quadtune {
 
-/// Where the nose points on a path.
+/// Direction of the nose on a path.
 enum class Nose {
-  fixed,  ///< always at the same yaw
-  ahead,  ///< along the path, also while it stands at an end
+  fixed,  ///< constant yaw
+  ahead,  ///< along the path, also before its begin and after its end
 };
 
-/// How a path's parameter moves, and the yaw on the way.
+/// Motion of a path's parameter over time, and the yaw.
 struct Passage {
-  double begin = 0;  ///< when it starts to move [s], ≥ 0
-  double ramp = 1;   ///< how long it gathers speed, and how long it loses it [s], > 0
+  double begin = 0;  ///< start of the motion [s], ≥ 0
+  double ramp = 1;   ///< duration of the acceleration and of the deceleration [s], > 0
   Nose nose = Nose::fixed;
-  double yaw = 0;  ///< of a fixed nose [rad]
+  double yaw = 0;  ///< for Nose::fixed [rad]
 
   friend bool operator==(const Passage&, const Passage&) = default;
 };
 
-/// s = length from `from` to `to`.
+/// Straight line; s is the distance from `from` in the direction of `to`.
 struct LinePath {
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< world [m]
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< world [m]; not `from`
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< world [m]; different from `from`
   double speed = 0;                                ///< [m/s], > 0
   Passage passage;
 
   friend bool operator==(const LinePath&, const LinePath&) = default;
 };
 
-/// s = angle gone round: centre + |radius| (cos b, sin b, 0) at the bearing b = from ± s.
+/// Circle; s is the angle travelled: centre + |radius| (cos b, sin b, 0) at the bearing b = from
+/// ± s.
 struct CirclePath {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< world [m]
-  double radius = 0;   ///< [m], not 0; positive turns right (clockwise seen from above)
+  double radius = 0;   ///< [m], not 0; positive: right turn (clockwise seen from above)
   double bearing = 0;  ///< of the first point, seen from the centre [rad]; 0 is north
   double speed = 0;    ///< [m/s], > 0
   double turns = 1;    ///< > 0
@@ -54,15 +56,17 @@ struct CirclePath {
   friend bool operator==(const CirclePath&, const CirclePath&) = default;
 };
 
-/// Gerono's lemniscate, s = angle: a sin s along its long axis and b sin 2s to the right of it,
-/// with 2 a = length, 2 b = width. It starts at the crossing; from tip to tip it is `length` long.
+/// Gerono's lemniscate; s is an angle. The position is a sin s along the long axis and b sin 2s to
+/// the right of it, with 2 a = length, 2 b = width. It starts at the crossing; the distance between
+/// the tips is `length`.
 struct LemniscatePath {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< world [m]
   double length = 0;                                 ///< [m], > 0
   double width = 0;                                  ///< [m], > 0
   double heading = 0;                                ///< of the long axis [rad]
-  double lap = 0;                                    ///< time of a lap at full rate [s], > 0
-  double laps = 1;                                   ///< > 0
+  /// Duration of a lap at the constant rate [s], > 0
+  double lap = 0;
+  double laps = 1;  ///< > 0
   Passage passage;
 
   friend bool operator==(const LemniscatePath&, const LemniscatePath&) = default;
@@ -70,24 +74,24 @@ struct LemniscatePath {
 
 using SmoothPath = std::variant<LinePath, CirclePath, LemniscatePath>;
 
-/// A point that moves on a path, world axes north-east-down.
+/// A point that moves along a path, world axes north-east-down.
 struct PathPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< [m/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s²]
-  double yaw = 0;                                          ///< [rad], without jumps
+  double yaw = 0;                                          ///< [rad], continuous
   double yaw_rate = 0;                                     ///< [rad/s]
 };
 
-/// The point at time t [s]; before its begin the first, after its end the last. Velocity,
+/// Point at time t [s]; the first point before the begin, the last after the end. Velocity,
 /// acceleration and yaw rate are the exact derivatives of position and yaw.
 [[nodiscard]] PathPoint path_point(const SmoothPath& path, double t);
 
-/// When the point has stopped [s].
+/// Time at which the point has stopped [s].
 [[nodiscard]] double path_end(const SmoothPath& path);
 
-/// Checks sizes, rates and that the path is long enough for its ramps.
-/// @throws InvalidInput  naming the field, what came and what was expected.
+/// Checks sizes and rates, and that the path is long enough for its ramps.
+/// @throws InvalidInput  naming the field, its value and the expected one
 void validate(const SmoothPath& path, const std::string& where);
 
 }  // namespace quadtune

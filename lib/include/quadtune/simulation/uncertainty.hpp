@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is not known for certain of a flight: which numbers, how they are distributed, and what
-/// they are in one flight of many.
+/// Uncertain parameters of a flight: their distributions and their values in one of many flights.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,27 +13,27 @@
 
 namespace quadtune {
 
-/// How a drawn number enters a flight.
+/// How a drawn number modifies the nominal value.
 enum class QuantityKind {
-  ratio,     ///< multiplies what the vehicle's file says; 1 changes nothing
-  addition,  ///< is added to it; 0 changes nothing
-  value,     ///< takes its place
+  ratio,     ///< multiplies the value in the vehicle file; 1 changes nothing
+  addition,  ///< added to that value; 0 changes nothing
+  value,     ///< replaces that value
 };
 
-/// A number that a flight may vary.
+/// A parameter that may be uncertain.
 struct UncertainQuantity {
   std::string name;  ///< e.g. "mass", "wind_north", "gyroscope_noise"
-  std::string unit;  ///< of what is drawn; "1" of a ratio
+  std::string unit;  ///< of the drawn number; "1" for a ratio
   QuantityKind kind = QuantityKind::ratio;
-  double least = 0;     ///< that a flight accepts
-  double greatest = 0;  ///< likewise
-  std::string meaning;  ///< one line
+  double min = 0;       ///< smallest accepted value
+  double max = 0;       ///< largest accepted value
+  std::string meaning;  ///< description in one line
 };
 
-/// All of them, in the order of the documentation.
+/// All uncertain quantities, in the order of the documentation.
 [[nodiscard]] const std::vector<UncertainQuantity>& uncertain_quantities();
 
-/// The quantity of that name.
+/// The quantity with that name.
 /// @throws InvalidInput  "where: no quantity 'mas', expected …; did you mean 'mass'?"
 [[nodiscard]] const UncertainQuantity& uncertain_quantity(const std::string& name,
                                                           const std::string& where);
@@ -43,24 +42,24 @@ enum class DistributionKind { normal, uniform, log_normal };
 /// "normal", "uniform", "log_normal".
 [[nodiscard]] std::string to_string(DistributionKind kind);
 
-/// How a number is distributed.
+/// Distribution of a number.
 struct Distribution {
   DistributionKind kind = DistributionKind::normal;
-  double first = 0;   ///< mean; least; median (> 0)
-  double second = 0;  ///< standard deviation; greatest; standard deviation of the logarithm
-  /// Nothing is drawn beyond these: the rest of the distribution is scaled up, not heaped there.
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
+  double first = 0;   ///< mean; minimum; median (> 0)
+  double second = 0;  ///< standard deviation; maximum; standard deviation of the logarithm
+  /// Bounds. The distribution is truncated and renormalized, not clipped.
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 
   friend bool operator==(const Distribution&, const Distribution&) = default;
 };
 
-/// The number at a standard normal one: not decreasing in z, and distributed as asked where z is
-/// standard normal.
-/// @param distribution  as validate() accepts it
+/// The value that corresponds to the standard normal number z: nondecreasing in z, and distributed
+/// as specified if z is standard normal.
+/// @param distribution  accepted by validate()
 [[nodiscard]] double value_at(const Distribution& distribution, double z);
 
-/// One quantity and its distribution.
+/// A quantity and its distribution.
 struct UncertainNumber {
   std::string quantity;  ///< name of an UncertainQuantity
   Distribution distribution;
@@ -68,29 +67,31 @@ struct UncertainNumber {
   friend bool operator==(const UncertainNumber&, const UncertainNumber&) = default;
 };
 
-/// All that is uncertain of a flight.
+/// All uncertain parameters of a flight.
 struct Uncertainty {
   std::vector<UncertainNumber> numbers;  ///< n, each quantity once
-  /// (n × n) of the standard normal numbers from which they are made (a Gaussian copula):
-  /// symmetric, ones on the diagonal, > 0. Empty: independent.
+  /// (n × n) correlation matrix of the underlying standard normal numbers (Gaussian copula):
+  /// symmetric, ones on the diagonal, positive definite. Empty: independent.
   Eigen::MatrixXd correlation;
 };
 
-/// Checks that quantities are known and appear once, that each distribution is one and stays within
-/// what its quantity accepts, and that the correlations are some.
-/// @throws InvalidInput  naming the number, what came and what was expected.
+/// Checks that quantities are known and appear once, that the parameters of each distribution are
+/// valid, that its range is within what the quantity accepts, and that the correlation matrix is
+/// positive definite.
+/// @throws InvalidInput  naming the number, its value and the expected one
 void validate(const Uncertainty& uncertainty, const std::string& where);
 
-/// The numbers of one flight. They depend on seed, flight and quantity alone: another list of
-/// quantities leaves those that are not correlated as they were.
+/// Draws the parameters of one flight. Each depends on seed, flight and quantity only: adding or
+/// removing quantities does not change the values of others that are not correlated with them.
 /// @return  (n) in the order of `numbers`
 [[nodiscard]] Eigen::VectorXd draw(const Uncertainty& uncertainty, std::uint64_t seed,
                                    std::uint32_t flight);
 
-/// Gives a flight its numbers. What law and estimator believe stays as it is.
+/// Applies drawn parameters to a flight. The models that law and estimator use do not change.
 /// @param drawn  (n) in the order of `numbers`
-/// @throws InvalidInput  for a quantity of a sensor, a battery or a rotor that the vehicle lacks,
-///                       of the wind where it has no drag, of a sensor in a flight with ideal ones.
+/// @throws InvalidInput  for a parameter of a sensor, battery or rotor that the vehicle does not
+///                       have, of the wind if the vehicle has no drag, or of a sensor in a flight
+///                       with ideal sensors
 void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorXd>& drawn,
            FlightSetup& setup);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// With which numbers a flight flies the uquad's filter.
+/// Settings of the uquad's filter for a simulated flight.
 #pragma once
 
 #include "quadtune/estimation/uquad_filter.hpp"
@@ -8,14 +8,14 @@
 
 namespace quadtune {
 
-/// The filter for these sensors, by uquad_filter_in_si(): without GPS and positions from images it
-/// leaves the horizontal position out.
+/// The filter of uquad_filter_in_si() for these sensors. Without GPS and vision it does not
+/// estimate the horizontal position.
 [[nodiscard]] UquadFilterSettings<double> uquad_filter_for(const Sensors& sensors);
 
-/// FlightSetup::uquad_filter with what a flight tells it: control period, the earth's field, the
-/// pressure on the ground.
-/// @param sensors           that fly
-/// @param calibration_time  that the vehicle stands still at the start [s]
+/// FlightSetup::uquad_filter completed with data of the flight: control period, magnetic field of
+/// the earth, pressure on the ground.
+/// @param sensors           of the flight
+/// @param calibration_time  for which the vehicle is stationary at the start [s]
 /// @throws InvalidInput     as validate()
 [[nodiscard]] UquadFilterSettings<double> uquad_filter_settings(const FlightSetup& setup,
                                                                 const Sensors& sensors,

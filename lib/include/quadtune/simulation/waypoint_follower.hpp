@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A reference that leads a vehicle from waypoint to waypoint.
+/// Computes a reference that guides a vehicle from waypoint to waypoint.
 ///
 /// On the segment from w1 to w2 the reference is the point `look_ahead` ahead of the vehicle's
-/// projection on the segment, at most w2. The next segment begins when the vehicle is within
+/// projection on the segment, but not beyond w2. The next segment begins when the vehicle is within
 /// `transition_radius` of w2, or has crossed the plane through w2 that bisects the corner:
 ///
 ///     (p - w2) · (e12 + e23) ≥ 0,  e unit vectors along the segments
 ///
-/// which is where both segments' lines are equally far. (Where the way turns right back the sum is
-/// zero, and the plane is square to the segment.) The rule looks at the whole plane: a vehicle that
-/// strays far to the inside of a sharp corner crosses it before it is near the waypoint. The first
-/// waypoint is the reference until it is within the radius; the last stays it. One waypoint at most
-/// is reached per call, in their order.
+/// On this plane the lines of both segments have the same distance. (If the path reverses, the sum
+/// is zero, and the plane is perpendicular to the segment.) The whole plane counts: a vehicle that
+/// is far on the inside of a sharp corner crosses it before it is near the waypoint. The first
+/// waypoint is the reference until the vehicle is within the radius; after the last waypoint is
+/// reached, it remains the reference. At most one waypoint is reached per call, in order.
 /// Source: thesis on the Parrot Mambo's model, section 3.2 and figure 3.2.
 #pragma once
 
@@ -22,15 +22,15 @@
 
 namespace quadtune {
 
-/// How far a vehicle has come.
+/// Progress of a vehicle along the waypoints.
 struct WaypointProgress {
-  std::size_t reached = 0;  ///< waypoints, from 0 to all of them
+  std::size_t reached = 0;  ///< number of waypoints reached
 };
 
-/// The reference for a vehicle at `position`, world [m].
-/// @param waypoints  at least 2, neighbours differ.
-/// @param position   where the vehicle believes itself [m]; what is not finite moves nothing.
-/// @param progress   brought up to date.
+/// Computes the reference for a vehicle at `position`, world [m].
+/// @param waypoints  at least 2, consecutive points differ
+/// @param position   estimated [m]; a value that is not finite does not change the progress
+/// @param progress   updated by the call
 [[nodiscard]] Eigen::Vector3d follow_waypoints(const Waypoints& waypoints,
                                                const Eigen::Vector3d& position,
                                                WaypointProgress& progress);

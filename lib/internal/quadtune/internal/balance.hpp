@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Levelling the rows and columns of a square matrix.
+/// Balancing of square matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,10 +8,11 @@
 
 namespace quadtune::internal {
 
-/// Powers of two d such that rows and columns of diag(d)⁻¹ A diag(d) have about the same 1-norms
-/// without the diagonal (Osborne 1960; Parlett, Reinsch 1969). A row or column of zeros is left.
-/// Entries that are rounding beside the largest have no say: where they alone couple two parts of a
-/// plant they would pull the parts' scales apart until rounding is all that is seen.
+/// Powers of two d such that each row of diag(d)⁻¹ A diag(d) has about the same 1-norm as the
+/// column of the same index, without the diagonal (Osborne 1960; Parlett, Reinsch 1969). Zero rows
+/// and columns are left unchanged. Entries below rounding relative to the largest entry are
+/// ignored: if only such entries coupled two parts of a plant, they would drive the scales of the
+/// parts apart until rounding errors dominate.
 inline Eigen::VectorXd balance(const Eigen::MatrixXd& A) {
   const Eigen::Index n = A.rows();
   Eigen::VectorXd d = Eigen::VectorXd::Ones(n);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a condition ceases to hold, by bisection.
+/// Finds by bisection where a condition changes.
 #pragma once
 
 #include <algorithm>
@@ -8,15 +8,15 @@
 
 namespace quadtune::internal {
 
-/// Neighbours on both sides of a border.
+/// Arguments on both sides of the change.
 struct Border {
   double holds = 0;
   double fails = 0;
 };
 
-/// Halves the interval between two arguments, at one of which a condition is known to hold and at
-/// the other to fail, until it is no wider than `tolerance` times its larger end, sixty times at
-/// most. Neither end is evaluated.
+/// Bisects the interval between an argument at which the condition holds and one at which it fails,
+/// until it is no wider than `tolerance` times its larger end, at most sixty times. The condition
+/// is not evaluated at the two given arguments.
 template <class Condition>
 [[nodiscard]] Border border(const Condition& condition, double holds, double fails,
                             double tolerance) {

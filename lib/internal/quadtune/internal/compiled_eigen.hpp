@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Eigen's decompositions of dynamic matrices, declared as instantiated elsewhere. A compiler takes
-/// between 3 and 30 seconds for each of them, and without these declarations every source file that
-/// uses one compiles it again.
+/// Declares Eigen's decompositions of dynamic matrices as instantiated elsewhere. Each takes
+/// between 3 and 30 seconds to compile, and without these declarations every source file that uses
+/// one would compile it again.
 ///
-/// The definitions are in lib/compiled_eigen/. Every library links its own copy of them: a program
-/// that uses the libraries may bring slower ones, compiled for any machine.
+/// The definitions are in lib/compiled_eigen/. Every library links its own copy, because a program
+/// that uses the libraries may contain slower ones, compiled for a generic machine.
 ///
 /// Only precompiled.hpp includes this header. A build without precompiled headers takes longer and
 /// gives the same results.
@@ -12,9 +12,9 @@
 
 #include <Eigen/Dense>
 
-// Each list is a macro of what precedes a declaration: `extern template` here, `template` in
-// lib/compiled_eigen/. Member templates are listed by name because the instantiation of a class
-// does not contain them.
+// Each list is a macro whose argument precedes each declaration: `extern template` here, `template`
+// in lib/compiled_eigen/. Member templates are listed by name, because instantiating a class does
+// not instantiate them.
 
 #define QUADTUNE_EIGEN_PRODUCT(declaration, Lhs, Rhs)                                             \
   declaration struct general_matrix_matrix_product<Index, double, Lhs, false, double, Rhs, false, \

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Text of nlohmann's JSON, as json_text() of quadtune/internal/json_value.hpp writes it.
+/// Writes nlohmann::json as text, in the same form as json_text() of
+/// quadtune/internal/json_value.hpp.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Enumerators by name: one table for each enumeration, read in both directions.
+/// Names of enumerators: one table per enumeration, used in both directions.
 ///
 ///     constexpr EnumName<FlowModel> kFlowModels[] = {{FlowModel::full, "full"}, …};
 ///     std::string to_string(FlowModel model) { return name_in(kFlowModels, model); }
@@ -19,7 +19,7 @@ struct EnumName {
   const char* name;
 };
 
-/// The name of a value; "unknown" for a value that is not in the table.
+/// The name of a value; "unknown" if the value is not in the table.
 template <class Enum, std::size_t count>
 [[nodiscard]] std::string name_in(const EnumName<Enum> (&table)[count], Enum value) {
   for (const EnumName<Enum>& entry : table)
@@ -27,7 +27,7 @@ template <class Enum, std::size_t count>
   return "unknown";
 }
 
-/// The value of a name; none where no entry has it.
+/// The value of a name, or nothing if the name is not in the table.
 template <class Enum, std::size_t count>
 [[nodiscard]] std::optional<Enum> value_in(const EnumName<Enum> (&table)[count],
                                            std::string_view name) {
@@ -49,7 +49,7 @@ template <class Enum, std::size_t count>
                               const std::vector<std::string>& known, const std::string& where);
 
 /// The value of a name.
-/// @param what  that is named, for the message, e.g. "flow model"
+/// @param what  the kind of name for the message, e.g. "flow model"
 /// @throws InvalidInput  as refuse_name()
 template <class Enum, std::size_t count>
 [[nodiscard]] Enum require_in(const EnumName<Enum> (&table)[count], const std::string& name,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Multilinear interpolation in a grid: where values lie on its axes, and which of its points count
-/// how much. Written once for the library, in double, and for exported C, in its precision too.
+/// Multilinear interpolation in a grid: the location of values on the axes and the weights of the
+/// grid points. Used by the library, in double, and by exported C, in its precision.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,16 +9,17 @@
 
 namespace quadtune::internal {
 
-/// Where a value lies on an axis: between the values `low` and low + 1, at `share` of the way.
+/// The location of a value on an axis: between `low` and low + 1, at fraction `share` of the
+/// interval.
 template <class T>
 struct GridPlace {
   Eigen::Index low = 0;
   T share = 0;
-  Eigen::Index length = 1;  ///< number of values of the axis
+  Eigen::Index length = 1;  ///< number of values on the axis
 };
 
 /// @param axis   ≥ 1 ascending values
-/// @param value  from the first of them to the last
+/// @param value  between the first and the last of them
 template <class T>
 [[nodiscard]] GridPlace<T> place_on_axis(const std::vector<T>& axis, T value) {
   const auto length = static_cast<Eigen::Index>(axis.size());
@@ -29,15 +30,15 @@ template <class T>
           length};
 }
 
-/// A corner of the cell that the values lie in: a point of the grid, with its weight.
+/// A corner of the cell that contains the values: a grid point with its weight.
 template <class T>
 struct GridCorner {
   Eigen::Index point = 0;
   T weight = 1;
 };
 
-/// @param places  one for each axis; the last axis runs fastest
-/// @param corner  less than 2^axes; bit a says which end of axis a
+/// @param places  one per axis; the last axis varies fastest
+/// @param corner  less than 2^axes; bit a selects the end of axis a
 template <class T>
 [[nodiscard]] GridCorner<T> corner_of_cell(const std::vector<GridPlace<T>>& places,
                                            unsigned corner) {

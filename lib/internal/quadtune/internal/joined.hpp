@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Words with a separator between them. As fmt::join(), but compiled once.
+/// Joins words with a separator. Like fmt::join(), but compiled once.
 #pragma once
 
 #include <set>
@@ -10,7 +10,7 @@
 
 namespace quadtune::internal {
 
-/// "a, b, c"; "" of no words.
+/// "a, b, c"; "" if there are no words.
 [[nodiscard]] std::string joined(const std::vector<std::string>& words, std::string_view separator);
 [[nodiscard]] std::string joined(const std::set<std::string>& words, std::string_view separator);
 [[nodiscard]] std::string joined(std::span<const char* const> words, std::string_view separator);

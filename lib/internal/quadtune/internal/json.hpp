@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Matrices, signals and poles as JSON and back. Numbers read back to the same double. JSON has no
-/// word for numbers that are not finite: they are refused, or null where that has a meaning.
+/// Converts matrices, signals and poles to JSON and back. Numbers read back as the same double.
+/// JSON cannot represent numbers that are not finite: they are rejected, or written as null where a
+/// null has a meaning.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +13,15 @@
 
 namespace quadtune::internal {
 
-/// @param name  what the message calls the number.
+/// @param name  the number's name in the message.
 /// @throws InvalidInput  if it is not finite.
 [[nodiscard]] Json number_to_json(double number, const std::string& name);
 
-/// For a figure that may be missing or without bound.
+/// The number, or null if it is not finite, for values that may be missing or unbounded.
 [[nodiscard]] Json finite_or_null(double number);
 
-/// An array of rows; a matrix without rows or columns keeps its rows: [[], []].
-/// @throws InvalidInput  naming the first entry that is not finite.
+/// An array of rows; a matrix without columns keeps its number of rows: [[], []].
+/// @throws InvalidInput  with the first entry that is not finite.
 [[nodiscard]] Json matrix_to_json(const Eigen::Ref<const Eigen::MatrixXd>& M,
                                   const std::string& name);
 
@@ -34,8 +35,8 @@ namespace quadtune::internal {
 /// [{"name": "z", "unit": "m"}, …]
 [[nodiscard]] Json signals_to_json(const std::vector<Signal>& signals);
 
-/// The member `key` of an object. `where` is "file: path", to which readers add the key.
-/// @throws InvalidInput  if `json` is no object or has no such member.
+/// The member `key` of an object. `where` is "file: path", to which the readers append the key.
+/// @throws InvalidInput  if `json` is not an object or has no such member.
 [[nodiscard]] const Json& member(const Json& json, const std::string& key,
                                  const std::string& where);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The name of a JSON value, for headers.
+/// Forward declaration of Json, for headers.
 #pragma once
 
 namespace quadtune::internal {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A JSON value: null, a boolean, a number, a text, an array, or an object whose members keep their
-/// order. nlohmann::json reads and writes the text, in json_value.cpp alone: its templates double
-/// the time that a verb takes to compile.
+/// A JSON value: null, a boolean, a number, a string, an array, or an object whose members keep
+/// their order. Only json_value.cpp uses nlohmann::json to parse and write text, because its
+/// templates double the compile time of a verb.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@
 
 namespace quadtune::internal {
 
-/// A text that is not JSON, or a value of another kind than was asked for.
+/// A text that is not JSON, or a value of a different kind than requested.
 class JsonError : public std::runtime_error {
  public:
   explicit JsonError(const std::string& message, std::size_t byte = 0, bool out_of_range = false)
       : std::runtime_error(message), byte_(byte), out_of_range_(out_of_range) {}
 
-  /// Up to which byte the text was read, from 1; 0 where that is not known.
+  /// The number of bytes read up to the error, counted from 1; 0 if unknown.
   [[nodiscard]] std::size_t byte() const { return byte_; }
   /// Whether a number in the text exceeds the range of double.
   [[nodiscard]] bool out_of_range() const { return out_of_range_; }
@@ -62,13 +62,13 @@ class Json {
     values_.reserve(N);
     for (const auto& value : values) values_.emplace_back(value);
   }
-  /// An object where every entry is an array of a text and a value; else an array.
+  /// An object if every entry is an array of a string and a value; else an array.
   Json(std::initializer_list<Json> entries);
 
   [[nodiscard]] static Json array(std::initializer_list<Json> entries = {});
   [[nodiscard]] static Json object();
-  /// @throws JsonError  if the text is not JSON, has a number beyond the range of double, or nests
-  ///                    arrays and objects more than 500 deep
+  /// @throws JsonError  if the text is not JSON, a number exceeds the range of double, or arrays
+  ///                    and objects are nested more than 500 levels deep
   [[nodiscard]] static Json parse(const std::string& text);
 
   [[nodiscard]] bool is_null() const { return kind_ == Kind::null; }
@@ -78,7 +78,7 @@ class Json {
   [[nodiscard]] bool is_number_integer() const {
     return kind_ == Kind::integer || kind_ == Kind::natural;
   }
-  /// Whether it is a whole number of at least 0.
+  /// Whether it is a nonnegative whole number.
   [[nodiscard]] bool is_number_unsigned() const;
   [[nodiscard]] bool is_string() const { return kind_ == Kind::text; }
   [[nodiscard]] bool is_array() const { return kind_ == Kind::array; }
@@ -87,7 +87,7 @@ class Json {
   [[nodiscard]] bool is_primitive() const { return !is_structured(); }
   [[nodiscard]] const char* type_name() const;  ///< "null", "boolean", "number", "string", …
 
-  /// Entries of an array, or values of an object; else none.
+  /// The number of entries of an array or of members of an object; 0 for other kinds.
   [[nodiscard]] std::size_t size() const { return values_.size(); }
   [[nodiscard]] bool empty() const { return values_.empty(); }
   [[nodiscard]] auto begin() { return values_.begin(); }
@@ -98,18 +98,18 @@ class Json {
   [[nodiscard]] const Json& back() const { return at(values_.size() - 1); }
   [[nodiscard]] Json& back() { return (*this)[values_.size() - 1]; }
 
-  /// Names of an object's members, in the order of its values.
+  /// The names of an object's members, in the order of the values.
   [[nodiscard]] const std::vector<std::string>& keys() const { return keys_; }
   [[nodiscard]] bool contains(std::string_view key) const { return find(key) != nullptr; }
-  /// A member of an object, if there is one of that name.
+  /// The member of that name, or nullptr if there is none.
   [[nodiscard]] const Json* find(std::string_view key) const;
 
-  /// A member, added as null where there is none; null becomes an object.
-  /// @throws JsonError  if this is something else
+  /// The member of that name; a missing one is added as null. Null becomes an object.
+  /// @throws JsonError  if this is neither an object nor null
   [[nodiscard]] Json& operator[](std::string_view key);
-  /// @throws JsonError  if this is no object or has no such member
+  /// @throws JsonError  if this is not an object or has no such member
   [[nodiscard]] const Json& operator[](std::string_view key) const;
-  /// @throws JsonError  if this is no array or has no such entry
+  /// @throws JsonError  if this is not an array or has no such entry
   template <std::integral I>
   [[nodiscard]] Json& operator[](I index) {
     return const_cast<Json&>(at(static_cast<std::size_t>(index)));
@@ -119,14 +119,14 @@ class Json {
     return at(static_cast<std::size_t>(index));
   }
 
-  /// Appends an entry; null becomes an array.
-  /// @throws JsonError  if this is something else
+  /// Appends an entry. Null becomes an array.
+  /// @throws JsonError  if this is neither an array nor null
   void push_back(Json entry);
   /// Replaces or adds the members of another object.
   void update(const Json& other);
 
-  /// The value as a bool, a std::string, or a number; 2.0 is a whole number, too.
-  /// @throws JsonError  if it is of another kind, or a number that T cannot hold
+  /// The value as a bool, a std::string, or a number; 2.0 is a whole number as well.
+  /// @throws JsonError  if it is of a different kind, or a number that T cannot represent
   template <class T>
   [[nodiscard]] T get() const {
     if constexpr (std::same_as<T, bool>)
@@ -144,7 +144,7 @@ class Json {
   }
   [[nodiscard]] const std::string& text() const;
 
-  /// Numbers are equal where their values are.
+  /// Numbers are equal if their values are equal, whatever their kind.
   friend bool operator==(const Json& a, const Json& b);
   friend std::ostream& operator<<(std::ostream& stream, const Json& json);
 
@@ -175,13 +175,13 @@ class Json {
   std::vector<Json> values_;
 };
 
-/// Text on one line. What a terminal would obey instead of show is written as \uNNNN, and bytes
-/// that are not UTF-8 as valid_utf8() writes them.
-/// @param ascii  whether to write everything but ASCII so
+/// The value as text on one line. Characters that a terminal would interpret are written as \uNNNN,
+/// bytes that are not UTF-8 as by valid_utf8().
+/// @param ascii  whether to escape all characters that are not ASCII
 [[nodiscard]] std::string json_text(const Json& json, bool ascii = false);
 
-/// Text with two blanks of indent. Arrays of plain values, and plain objects in an array, stand on
-/// one line, so that a matrix stands row under row.
+/// The value as text with two blanks of indentation. Arrays of scalars, and objects of scalars
+/// within an array, are written on one line, so that the rows of a matrix are aligned.
 [[nodiscard]] std::string readable(const Json& json);
 
 }  // namespace quadtune::internal

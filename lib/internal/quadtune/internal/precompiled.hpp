@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What most source files of the libraries include, parsed once for all of them. The build adds
-/// this header in front of every source file; no file includes it by name, and each still includes
-/// what it uses: the static analysis of `./dev check` compiles without it.
+/// The headers that most source files of the libraries include, parsed once for all of them. The
+/// build includes this header before every source file. No file includes it by name, and each file
+/// still includes what it uses, because the static analysis of `./dev check` compiles without it.
 #pragma once
 
 #include <fmt/format.h>

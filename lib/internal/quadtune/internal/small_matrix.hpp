@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Vectors of a few numbers, tiles of matrices held in registers, and what kernels for small dense
-/// matrices are made of. Only for sources that are listed as KERNELS
-/// (docs/decisions/0011-variants.md), since the width of a register is known when they are
-/// compiled; docs/decisions/0017-one-small-matrix-layer.md has the reasons.
+/// Short vectors, register tiles and building blocks of kernels for small dense matrices. Include
+/// it only in sources listed as KERNELS (docs/decisions/0011-variants.md), because the register
+/// width is fixed when they are compiled. Rationale: docs/decisions/0017-one-small-matrix-layer.md.
 #pragma once
 
 #include <algorithm>
@@ -32,11 +31,11 @@ template <class Real, int kWidth>
 struct VectorOf {
   typedef Real type __attribute__((vector_size(kWidth * sizeof(Real))));
 };
-/// kWidth numbers; the compiler splits a vector that is longer than the processor's registers.
+/// A vector of kWidth numbers; the compiler splits vectors longer than the processor's registers.
 template <class Real, int kWidth>
 using Vector = typename VectorOf<Real, kWidth>::type;
 
-/// Number of elements of a vector, and their type.
+/// The number of elements of a vector, and their type.
 template <class V>
 using ElementOf = std::remove_reference_t<decltype(std::declval<V&>()[0])>;
 template <class V>
@@ -46,7 +45,7 @@ template <class V>
 [[gnu::always_inline]] inline V broadcast(ElementOf<V> x) {
   return x - V{};
 }
-/// From and to memory that is aligned to a vector.
+/// Load from and store to memory that is aligned to a vector.
 template <class V>
 [[gnu::always_inline]] inline V load(const ElementOf<V>* p) {
   return *reinterpret_cast<const V*>(p);
@@ -56,7 +55,7 @@ template <class V>
   *reinterpret_cast<V*>(p) = v;
 }
 
-/// a b + c, fused where the processor can: -ffp-contract=off keeps the compiler from fusing.
+/// a b + c, fused if the processor supports it: -ffp-contract=off keeps the compiler from fusing.
 template <class V>
 [[gnu::always_inline]] inline V multiply_add(V a, V b, V c) {
   [[maybe_unused]] constexpr bool kDouble = std::is_same_v<ElementOf<V>, double>;
@@ -78,19 +77,19 @@ template <class V>
 #endif
   return a * b + c;
 }
-/// c - a b, likewise.
+/// c - a b, fused if the processor supports it.
 template <class V>
 [[gnu::always_inline]] inline V subtract_product(V a, V b, V c) {
   return multiply_add(-a, b, c);
 }
 
-/// All bits but the sign's.
+/// The absolute value: clears the sign bits.
 template <class V>
-[[gnu::always_inline]] inline V magnitude(V v) {
+[[gnu::always_inline]] inline V abs_of(V v) {
   using Bits = decltype(v < v);
   return (V)((Bits)v & ~(Bits)(-V{}));
 }
-/// Sum of the elements, the first one first.
+/// The sum of the elements, in ascending order of their index.
 template <class V>
 [[gnu::always_inline]] inline ElementOf<V> total(V v) {
   ElementOf<V> sum = 0;
@@ -110,24 +109,24 @@ template <class V>
   return v;
 }
 
-/// (r, k) → entry (r, k) of a matrix whose rows and columns lie `row` and `column` numbers apart.
+/// (r, k) → entry (r, k) of a matrix with strides `row` and `column`, in numbers.
 template <class V>
 [[gnu::always_inline]] inline auto entries_of(const ElementOf<V>* M, std::ptrdiff_t row,
                                               std::ptrdiff_t column) {
   return [=](int r, int k) { return broadcast<V>(M[r * row + k * column]); };
 }
-/// (k, v) → vector v of row k of a matrix whose rows lie `row` numbers apart.
+/// (k, v) → vector v of row k of a matrix with row stride `row`, in numbers.
 template <class V>
 [[gnu::always_inline]] inline auto vectors_of(const ElementOf<V>* M, std::ptrdiff_t row) {
   return [=](int k, int v) { return load<V>(M + k * row + v * kWidthOf<V>); };
 }
 
-/// kRows rows of kVectors vectors each, all in registers: every loop over them is unrolled.
+/// kRows rows of kVectors vectors each, all in registers: all loops over them are unrolled.
 template <class V, int kRows, int kVectors>
 struct Tile {
   V at[kRows][kVectors] = {};
 
-  /// Calls work(row, vector's index, vector&).
+  /// Calls work(row, vector index, vector&).
   template <class Work>
   [[gnu::always_inline]] inline void each(const Work& work) {
 #pragma GCC unroll 8
@@ -136,26 +135,26 @@ struct Tile {
       for (int v = 0; v < kVectors; ++v) work(r, v, at[r][v]);
   }
 
-  /// Sets the vectors to source(row, vector's index).
+  /// Sets the vectors to source(row, vector index).
   template <class Source>
   [[gnu::always_inline]] inline void set(const Source& source) {
     each([&](int r, int v, V& x) { x = source(r, v); });
   }
-  /// Adds A B over the inner indices [from, to). left(r, k) is an entry of A, in all elements of a
-  /// vector, right(k, v) vector v of row k of B.
+  /// Adds A B over the inner indices [from, to). left(r, k) is an entry of A, broadcast to all
+  /// elements of a vector; right(k, v) is vector v of row k of B.
   template <class To, class Left, class Right>
   [[gnu::always_inline]] inline void add_product(int from, To to, const Left& left,
                                                  const Right& right) {
     accumulate<multiply_add<V>>(from, to, left, right);
   }
-  /// Subtracts it.
+  /// Subtracts A B.
   template <class To, class Left, class Right>
   [[gnu::always_inline]] inline void subtract_product_of(int from, To to, const Left& left,
                                                          const Right& right) {
     accumulate<subtract_product<V>>(from, to, left, right);
   }
 
-  /// Row r less `factor` times row q.
+  /// Subtracts `factor` times row q from row r.
   [[gnu::always_inline]] inline void subtract_row(int r, int q, V factor) {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) at[r][v] = subtract_product(factor, at[q][v], at[r][v]);
@@ -164,7 +163,8 @@ struct Tile {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) at[r][v] *= factor;
   }
-  /// L⁻¹ times the tile, L with a unit diagonal and the entries l(r, q) below it.
+  /// Multiplies the tile by L⁻¹ from the left. L has a unit diagonal and the entries l(r, q) below
+  /// it.
   template <class Entry>
   [[gnu::always_inline]] inline void solve_unit_lower(const Entry& l) {
 #pragma GCC unroll 8
@@ -191,8 +191,8 @@ struct Tile {
   }
 };
 
-/// L⁻¹ of a lower triangular L of n rows; both give a reference for (row, column), to a double or
-/// to a vector with an entry of each of several matrices.
+/// Inverts a lower triangular L of n rows. Both arguments return a reference for (row, column), to
+/// a double or to a vector with one entry of each of several matrices.
 template <class Lower, class Inverse>
 void invert_lower(int n, const Lower& L, Inverse&& X) {
   using Number = std::decay_t<decltype(X(0, 0))>;
@@ -207,8 +207,8 @@ void invert_lower(int n, const Lower& L, Inverse&& X) {
   }
 }
 
-/// The Cholesky factor of S in its lower triangle, in place. False as soon as a pivot and the
-/// diagonal entry that it was do not satisfy is_positive(pivot, entry).
+/// Computes the Cholesky factor of S in place in its lower triangle. Returns false as soon as a
+/// pivot and the original diagonal entry do not satisfy is_positive(pivot, entry).
 template <class Matrix, class Positive>
 bool factor_cholesky(int n, Matrix&& S, const Positive& is_positive) {
   for (int j = 0; j < n; ++j) {
@@ -224,9 +224,9 @@ bool factor_cholesky(int n, Matrix&& S, const Positive& is_positive) {
   return true;
 }
 
-/// Memory for a matrix of vectors, zero at first and aligned to 64 bytes: in place if the number
-/// of vectors, kCount, is known to the compiler, else (0) on the heap. Assignment copies the
-/// numbers of a matrix of the same size and does not allocate.
+/// Zero-initialized storage for a matrix of vectors, aligned to 64 bytes: in place if the number of
+/// vectors, kCount, is known at compile time, else (0) on the heap. Assignment copies the numbers
+/// of a matrix of the same size and does not allocate.
 template <class V, int kCount = 0>
 class VectorStorage {
  public:
@@ -239,7 +239,7 @@ class VectorStorage {
   VectorStorage(VectorStorage&&) noexcept = default;
   ~VectorStorage() = default;
 
-  // By the kernels' own vectors: wider loads would have to wait for narrower stores.
+  // Copies with the kernels' vector width: wider loads would stall on narrower stores.
   VectorStorage& operator=(const VectorStorage& other) {
     return assign([&](int i) { return other.begin()[i]; });
   }
@@ -263,7 +263,7 @@ class VectorStorage {
       std::swap_ranges(a.begin(), a.begin() + kCount, b.begin());
   }
 
-  /// Calls value(i) for each vector i and writes what it returns.
+  /// Calls value(i) for each vector i and stores the result.
   template <class Value>
   [[gnu::always_inline]] inline VectorStorage& assign(const Value& value) {
     for (int i = 0; i < size(); ++i) begin()[i] = value(i);
@@ -287,7 +287,7 @@ class VectorStorage {
     void operator()(V* p) const { ::operator delete[](p, std::align_val_t{64}); }
   };
   using InPlace = std::array<V, static_cast<std::size_t>(kCount)>;
-  struct NoCount {  // 64 bytes less of a matrix in place
+  struct NoCount {  // saves 64 bytes in a matrix in place
     explicit NoCount(int /*count*/) {}
   };
 

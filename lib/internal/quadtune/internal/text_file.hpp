@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads files whole, with a limit.
+/// Reads whole files up to a size limit.
 #pragma once
 
 #include <cstddef>
@@ -8,21 +8,21 @@
 
 namespace quadtune::internal {
 
-/// The bytes of a file; "-" is standard input.
-/// @throws FileError     if it cannot be read, with the system's reason.
-/// @throws InvalidInput  if it has more than `limit` bytes or holds a zero byte (it is not text).
+/// The bytes of a file, or of standard input if the path is "-".
+/// @throws FileError     if it cannot be read, with the operating system's reason.
+/// @throws InvalidInput  if it has more than `limit` bytes or contains a zero byte (is not text).
 [[nodiscard]] std::string read_text_file(const std::string& path, std::size_t limit);
 
-/// The same for a file that may hold any bytes, a zero byte included.
+/// The same for a file that may contain any bytes, including zero bytes.
 /// @throws FileError, InvalidInput  as read_text_file().
 [[nodiscard]] std::string read_file(const std::string& path, std::size_t limit);
 
-/// The two checks of read_text_file() on bytes that are already here.
-/// @throws InvalidInput  naming `origin`.
+/// Applies the two checks of read_text_file() to bytes in memory.
+/// @throws InvalidInput  with `origin` as the place.
 void require_text(std::string_view text, const std::string& origin, std::size_t limit);
 
-/// `text` fit for a one-line message: what is not printable ASCII becomes '?', and what is longer
-/// than `longest` bytes is cut and ends in "...".
+/// `text` prepared for a one-line message: bytes that are not printable ASCII become '?', and a
+/// text longer than `longest` bytes is truncated and ends in "...".
 [[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 60);
 
 }  // namespace quadtune::internal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Strict reading of TOML: every table says which keys it may hold, with the unit as part of the
-/// key, and every mistake becomes one line with file and line number.
+/// Strict reading of TOML: the reader of each table lists the allowed keys, whose names include the
+/// unit. Every error is one line with file and line number.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +14,11 @@
 
 namespace quadtune::internal {
 
-/// Largest TOML file that is read [bytes], and its longest line.
+/// Maximum size of a TOML file [bytes], and maximum length of a line.
 inline constexpr std::size_t kTomlLimit = std::size_t{1} << 20;
 inline constexpr std::size_t kTomlLineLimit = 8192;
 
-/// A key that a table may hold: "mass" with unit "kg" is written mass_kg.
+/// An allowed key: "mass" with unit "kg" is written mass_kg.
 struct TomlKey {
   std::string stem;
   std::string unit = "";
@@ -26,7 +26,7 @@ struct TomlKey {
   [[nodiscard]] std::string name() const { return unit.empty() ? stem : stem + "_" + unit; }
 };
 
-/// Which numbers a key accepts.
+/// The range of numbers that a key accepts.
 struct Range {
   enum class Bound { none, open, closed };
   double low = 0;
@@ -42,7 +42,8 @@ struct Range {
   static Range not_negative() { return {0, Bound::closed, 0, Bound::none}; }
 };
 
-/// A value of the file with its line. Built from the parser's tree, so that nobody else needs it.
+/// A value of the file with its line. Built from the parser's tree, so that no other code depends
+/// on it.
 struct TomlNode {
   enum class Kind { boolean, integer, real, text, list, table, other };
   struct Entry;
@@ -63,35 +64,36 @@ struct TomlNode::Entry {
   TomlNode node;
 };
 
-/// One table of a file. Copies are cheap and keep the file's tree alive.
+/// One table of a file. Copies are cheap and share the file's tree.
 class TomlTable {
  public:
   /// Parses a file's text.
-  /// @param origin  What messages call the file.
-  /// @param limit   Most bytes that it may have.
-  /// @throws InvalidInput  for what is not TOML, too large, or has a key twice.
+  /// @param origin  the file's name in messages.
+  /// @param limit   maximum size [bytes].
+  /// @throws InvalidInput  if the text is not TOML, is too large, or defines a key twice.
   static TomlTable parse(const std::string& text, const std::string& origin,
                          std::size_t limit = kTomlLimit);
 
-  /// Refuses the first key of the file that is not listed, with the nearest that is.
+  /// Rejects the first key of the table that is not listed, and suggests the nearest one that is.
   void allow(const std::vector<TomlKey>& known) const;
 
   [[nodiscard]] bool has(const std::string& key) const { return find(key) != nullptr; }
-  /// All of them, in the order of the file.
+  /// All keys, in the order of the file.
   [[nodiscard]] std::vector<std::string> keys() const;
 
-  /// "file:line" of the key, or of the table when it has no such key or none is named.
+  /// "file:line" of the key, or of the table if the key is missing or empty.
   [[nodiscard]] std::string where(const std::string& key = "") const;
-  /// "file:line" of an entry of a list, counted from 0; of the key when there is no such entry.
+  /// "file:line" of an entry of a list, counted from 0; of the key if there is no such entry.
   [[nodiscard]] std::string where(const std::string& key, std::size_t entry) const;
   [[nodiscard]] const std::string& title() const { return title_; }
 
-  // Each of these refuses a missing key, another type, a value out of range, nan and infinity.
+  // Each of these rejects a missing key, a wrong type, a value out of range, NaN and infinity.
   [[nodiscard]] double number(const std::string& key, const Range& range = Range::any()) const;
   [[nodiscard]] int integer(const std::string& key, int low, int high) const;
-  /// One line of text without control characters, as it may end up in comments of other files.
+  /// One line of text without control characters, since it may be copied to comments of other
+  /// files.
   [[nodiscard]] std::string text(const std::string& key) const;
-  /// Letters, digits, '.', '_' and '-', 1 to 64 of them: fit for the name of a file.
+  /// 1 to 64 letters, digits, '.', '_' and '-': valid as part of a file name.
   [[nodiscard]] std::string word(const std::string& key) const;
   [[nodiscard]] bool truth(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;
@@ -105,15 +107,15 @@ class TomlTable {
   [[nodiscard]] bool is_text(const std::string& key) const;
   [[nodiscard]] bool is_list(const std::string& key) const;
 
-  // The same with a value to take where the key is absent.
+  // The same with a default for a missing key.
   [[nodiscard]] double number_or(const std::string& key, double fallback,
                                  const Range& range = Range::any()) const;
   [[nodiscard]] std::string text_or(const std::string& key, const std::string& fallback) const;
 
-  /// A table within this one.
+  /// The subtable under a key.
   [[nodiscard]] TomlTable table(const std::string& key) const;
   [[nodiscard]] std::optional<TomlTable> maybe_table(const std::string& key) const;
-  /// A list of tables ([[key]] or key = [{…}]); empty when the key is absent.
+  /// A list of tables ([[key]] or key = [{…}]); empty if the key is missing.
   [[nodiscard]] std::vector<TomlTable> tables(const std::string& key) const;
 
  private:
@@ -135,7 +137,7 @@ class TomlTable {
   std::shared_ptr<const TomlNode> root_;
   const TomlNode* node_;
   std::string origin_;
-  std::string title_;  ///< "[body]", or "" at the top
+  std::string title_;  ///< "[body]", or "" for the top level
 };
 
 }  // namespace quadtune::internal

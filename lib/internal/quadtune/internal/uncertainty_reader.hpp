@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Uncertainty as campaign and requirement files write it: tables [[vary]] and [[correlation]]
+/// Reads the uncertainty of campaign and requirement files: tables [[vary]] and [[correlation]]
 /// (docs/formats.md).
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace quadtune::internal {
 
-/// Reads [[vary]] and [[correlation]] of a file's top.
-/// @param folder  where files of fitted models that it names lie
+/// Reads [[vary]] and [[correlation]] at the top level of a file.
+/// @param folder  base of relative paths of fitted models
 /// @throws InvalidInput  "file:line: …"
-/// @throws FileError     for a fitted model that cannot be read
+/// @throws FileError     if a fitted model cannot be read
 [[nodiscard]] Uncertainty read_uncertainty(const TomlTable& file,
                                            const std::filesystem::path& folder);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Words of a command line or of an option: lists, and numbers that are decimal, with a dot in
-/// every locale.
+/// Parses words of a command line or an option: lists, and decimal numbers with a dot in every
+/// locale.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace quadtune::internal {
 
-/// "x,y,z" as words, which may be empty; an empty text has none.
+/// Splits "x,y,z" into words, which may be empty; an empty text has no words.
 [[nodiscard]] std::vector<std::string> comma_separated(const std::string& text);
 
-/// Reads a word as a finite number; "+1" is accepted, "0x10", "1_000" and "1e999" are not.
-/// @return  false, with `value` unchanged, for any other word.
+/// Parses a word as a finite number; "+1" is accepted, "0x10", "1_000" and "1e999" are not.
+/// @return  false for any other word; `value` is then unchanged.
 [[nodiscard]] bool read_number(std::string_view word, double& value);
 
 }  // namespace quadtune::internal

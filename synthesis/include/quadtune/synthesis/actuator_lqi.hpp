@@ -26,32 +26,35 @@ struct ActuatorModel {
   Linearization hover;  ///< the 12 states alone
 };
 
-/// @param inputs  what the law commands. For the wrench the lag is the mean of the rotors' lags,
-///                which is exact if they are equal.
-/// @throws InvalidInput  for a vehicle that cannot hover, or of whose rotors only some lag
+/// Builds the model of a vehicle near hover.
+/// @param inputs  the quantities that the law commands. For the wrench, the lag is the mean of the
+///                rotors' lags, which is exact if they are equal.
+/// @throws InvalidInput  if the vehicle cannot hover, or if only some of its rotors lag
 [[nodiscard]] ActuatorModel actuator_model(const Vehicle& vehicle, InputKind inputs);
 
-/// The cost ∫ xᵀQx + uᵀRu + iᵀQ_integral i dt + Σ Δuᵀ R_change Δu, Δu[k] = u[k] - u[k-1].
+/// Weights of the cost ∫ xᵀQx + uᵀRu + iᵀQ_integral i dt + Σ Δuᵀ R_change Δu, where
+/// Δu[k] = u[k] - u[k-1].
 struct ActuatorLqiWeights {
   Eigen::MatrixXd Q;           ///< (12 × 12) symmetric, ≥ 0
   Eigen::MatrixXd R;           ///< (nu × nu) symmetric, > 0
   Eigen::MatrixXd Q_integral;  ///< (ni × ni) symmetric, ≥ 0
-  Eigen::MatrixXd R_change;    ///< (nu × nu) symmetric, ≥ 0; or empty. Only with past ≥ 1.
+  Eigen::MatrixXd R_change;    ///< (nu × nu) symmetric, ≥ 0, or empty; requires past ≥ 1
 };
 
 struct ActuatorLqiOptions {
   InputKind inputs = InputKind::wrench;
   double dt = 0.005;  ///< control period [s], > 0
-  /// Whole control periods from a command to its actuator, in [0, kMostPastCommands]. Other delays
-  /// of the loop, as that of a gyroscope, act like a delay of the command.
+  /// Number of whole control periods between a command and its arrival at the actuator, in
+  /// [0, kMaxPastCommands]. Other delays of the loop, such as that of a gyroscope, have the same
+  /// effect as a delay of the command and can be included here.
   int past = 0;
   std::vector<std::string> integrals;  ///< names of integrated states, e.g. px py pz yaw
 };
 
 struct ActuatorLqi {
   RiccatiResult riccati;
-  /// [12 states | m | u[k-1] … u[k-past] | integrals], sampled exactly; the integrals are those of
-  /// the law, i[k+1] = i[k] + dt x[k].
+  /// The states are [12 states | m | u[k-1] … u[k-past] | integrals]. The plant is sampled exactly;
+  /// the integrals are computed as the law computes them, i[k+1] = i[k] + dt x[k].
   DiscreteLti model;
   Gains gains;  ///< K, K_int, memory, heading axes, dt; all NaN unless solved
 
@@ -59,12 +62,12 @@ struct ActuatorLqi {
 };
 
 /// Designs u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) - K_lag (m - u0) - K_past (u[k-1] - u0 …).
-/// Without lag, delay and integrals it is lqr() of the sampled problem.
-/// @throws InvalidInput  for weights of other shapes, a period, delay or integral out of range, or
-///                       as actuator_model() and lqr()
+/// Without lag, delay and integrals, the result is that of lqr() for the sampled problem.
+/// @throws InvalidInput  if a weight has the wrong shape, if the period, the delay or an integral
+///                       is invalid, and for the reasons of actuator_model() and lqr()
 [[nodiscard]] ActuatorLqi actuator_lqi(const Vehicle& vehicle, const ActuatorLqiWeights& weights,
                                        const ActuatorLqiOptions& options);
-/// The same for a model at hand.
+/// The same for a model that has already been computed by actuator_model().
 [[nodiscard]] ActuatorLqi actuator_lqi(const Vehicle& vehicle, const ActuatorModel& model,
                                        const ActuatorLqiWeights& weights,
                                        const ActuatorLqiOptions& options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One loop of a cascade, as it runs on board: a PID controller whose derivative is a measured
-/// rate.
+/// One loop of a cascade as it runs on board: a PID controller whose derivative term uses a
+/// measured rate.
 #pragma once
 
 #include <iosfwd>
@@ -15,44 +15,49 @@
 
 namespace quadtune {
 
-/// What a loop commands and measures, sampled. One input, the command; two outputs, the value and
-/// its rate, both of which rise after a positive command. Lag, delay and the loops inside are
-/// states of it.
+/// The sampled plant of one loop. It has one input, the command, and two outputs, the value and its
+/// rate, both of which increase after a positive command. Lag, delay and inner loops are included
+/// as states.
 using CascadePlant = DiscreteLti;
 
-/// command = Kp (r - value) + Ki ∫(r - value) - Kd rate, the integral as `method` says. In the
-/// gains of this file Tf is 0.
-/// @return  the loop cut at the command: one input, one output, under negative feedback
-/// @throws InvalidInput  for a plant that is none
+/// Computes the open loop, cut at the command, of the controller
+///
+///     command = Kp (r - value) + Ki ∫(r - value) - Kd rate,
+///
+/// whose integral is discretized by `method`. Tf of all gains in this file is 0.
+/// @return  the open loop under negative feedback: one input, one output
+/// @throws InvalidInput  if the plant is malformed (wrong shape, entries not finite, D ≠ 0)
 [[nodiscard]] DiscreteLti cut_at_command(const CascadePlant& plant, const PidGains& gains,
                                          PidMethod method);
 
-/// The same loop closed: from r to the value and its rate, for the loop around it.
+/// Computes the closed loop from r to the value and its rate. It is the plant of the next outer
+/// loop.
 [[nodiscard]] CascadePlant closed_at_command(const CascadePlant& plant, const PidGains& gains,
                                              PidMethod method);
 
-/// What a loop of given gains is worth.
+/// Properties of a loop with given gains.
 struct CascadeLoopEvidence {
   LoopMargins margins;   ///< of the whole loop, cut at the command
-  LoopMargins rate;      ///< of the rate's part alone, Kd times the rate
-  double bandwidth = 0;  ///< [rad/s] where the value's part crosses 1, the rate's closed; 0: never
-  double load_integral = 0;  ///< ∫ of the value after a unit step of load at the command: 1/Ki
-  double load_peak = 0;      ///< the greatest value after it
-  double load_left = 0;      ///< the value that stays: 0 with an integral
-  double tracking_peak = 0;  ///< max |value / set point|
-  double value_noise = 0;    ///< max |Kp + Ki/s| |S|: from the value's noise to the command
-  double rate_noise = 0;     ///< max Kd |S|: from the rate's noise to the command
+  LoopMargins rate;      ///< of the rate feedback alone, Kd times the rate
+  double bandwidth = 0;  ///< [rad/s] crossover of the value feedback, rate loop closed; 0 if none
+  double load_integral = 0;      ///< ∫ of the value after a unit load step at the command: 1/Ki
+  double load_peak = 0;          ///< maximum of |value| after that step
+  double load_steady_state = 0;  ///< steady-state value after that step; 0 with an integral
+  double tracking_peak = 0;      ///< max |value / set point|
+  double value_noise = 0;        ///< max |Kp + Ki/s| |S|: gain from value noise to the command
+  double rate_noise = 0;         ///< max Kd |S|: gain from rate noise to the command
 };
 
-/// @throws InvalidInput  for a plant that is none
+/// Computes the properties of a loop with given gains.
+/// @throws InvalidInput  if the plant is malformed (wrong shape, entries not finite, D ≠ 0)
 [[nodiscard]] CascadeLoopEvidence cascade_loop_evidence(const CascadePlant& plant,
                                                         const PidGains& gains, PidMethod method);
 
-/// What bounds the gains of a loop. An infinite bound does not.
+/// Bounds on a loop. An infinite bound is inactive.
 struct CascadeLoopBounds {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  /// Where the rate's part of the loop crosses 1 [rad/s]: exactly there, or 0 for what suits best.
+  /// Crossover of the rate feedback alone [rad/s], met exactly; 0: chosen by the search.
   double rate_crossover = 0;
   double rate_crossover_max = kInfinity;  ///< [rad/s]
   double Ms_max = 1.4;                    ///< max |S| of the whole loop, > 1
@@ -60,16 +65,16 @@ struct CascadeLoopBounds {
   double value_noise_max = kInfinity;     ///< [command / value], > 0
   double rate_noise_max = kInfinity;      ///< [command / rate], > 0
   double load_peak_max = kInfinity;       ///< [value / command] after a unit step of load, > 0
-  bool integral = true;                   ///< false: Ki is 0, and the greatest Kp is looked for
-  bool p_pi = false;                      ///< Ki within greatest_p_pi_integral()
+  bool integral = true;                   ///< false: Ki is 0 and Kp is maximized
+  bool p_pi = false;                      ///< limits Ki to max_p_pi_integral()
 };
 
 /// How a search ended.
 enum class CascadeLoopStatus {
   not_run,
   solved,
-  crossover_out_of_reach,  ///< no value's part fits beside a rate's part that is so fast
-  not_found,               ///< the bounds leave nothing
+  crossover_infeasible,  ///< rate_crossover is too high for Ms_max
+  not_found,             ///< no gains satisfy the bounds
 };
 
 /// "solved", "crossover out of reach", "not found".
@@ -82,8 +87,9 @@ struct CascadeLoopDesign {
   CascadeLoopStatus status = CascadeLoopStatus::not_run;
   PidGains gains = {kNaN, kNaN, kNaN, 0};
   CascadeLoopEvidence evidence;
-  std::vector<std::string> binding;  ///< of "Ms", "value noise", …: bounds met within 0.1 %
-  /// The highest crossover of the rate's part that keeps Ms_max by itself [rad/s].
+  std::vector<std::string> binding;  ///< "Ms", "value noise", …: the active bounds, within 0.1 %
+  /// The highest crossover of the rate feedback alone at which its max |S| is at most Ms_max
+  /// [rad/s].
   double highest_rate_crossover = kNaN;
   std::string culprit;  ///< empty when solved
 
@@ -92,13 +98,14 @@ struct CascadeLoopDesign {
 
 std::ostream& operator<<(std::ostream& out, const CascadeLoopDesign& design);
 
-/// The gains that reject a slow load best within the bounds: the greatest Ki, or the greatest Kp of
-/// a loop without integral.
+/// Computes the gains that reject a slowly varying load best within the bounds: the maximum Ki, or
+/// the maximum Kp of a loop without integral.
 ///
-/// For given Kp and Kd every bound is, at each frequency, a quadratic inequality in Ki, as in
-/// greatest_integral_gain(). A local search over the two, from a scan.
+/// For given Kp and Kd, each bound is a quadratic inequality in Ki at each frequency, as in
+/// max_integral_gain(). Kp and Kd are found by a local search that starts from a scan.
 ///
-/// @throws InvalidInput  for a plant or bounds that are none
+/// @throws InvalidInput  if the plant is malformed (wrong shape, entries not finite, D ≠ 0) or a
+///                       bound is out of range
 /// Theory: "PID synthesis".
 [[nodiscard]] CascadeLoopDesign design_cascade_loop(const CascadePlant& plant,
                                                     const CascadeLoopBounds& bounds,

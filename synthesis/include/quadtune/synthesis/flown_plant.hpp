@@ -23,9 +23,9 @@ namespace quadtune {
 struct FlownPlantOptions {
   InputKind inputs = InputKind::wrench;  ///< the quantities that the law commands
   double dt = 0.005;                     ///< control period [s], > 0
-  double height = 1.1;                   ///< of the hover above the ground [m], > 0
-  /// From the law's output to the rotors' command [s], in addition to the vehicle's own delay
-  /// (MotorCommand::delay and half of its jitter); with that from 0 to kMostDelayPeriods dt.
+  double height = 1.1;                   ///< height of the hover above the ground [m], > 0
+  /// Delay from the output of the law to the rotor commands [s], in addition to the vehicle's own
+  /// delay (MotorCommand::delay and half of its jitter). The sum is in [0, kMaxDelayPeriods dt].
   double command_delay = 0;
   /// Whether the errors of the sensors are inputs of the model: FlownPlant::noise.
   bool noise = false;
@@ -39,36 +39,38 @@ struct FlownPlantOptions {
 struct FlownPlant {
   PeriodicLti plant;
   std::vector<Signal> drifts;      ///< true states that no sensor observes, e.g. px, py, yaw
-  Eigen::VectorXd scale;           ///< a typical size of each state of `plant`, to compare them by
+  Eigen::VectorXd scale;           ///< typical magnitude of each state of `plant`, for comparisons
   std::vector<std::string> notes;  ///< omissions and roundings, one sentence each
   /// N matrices (nx × nw), empty unless FlownPlantOptions::noise is set. The noise adds
   /// noise[k] w[k] to x[k+1], where w is white with unit variances. `plant` then keeps the states
   /// that no input affects as well: slowly varying sensor errors, and true states that drift.
   std::vector<Eigen::MatrixXd> noise;
-  /// (nx) initial variances: of a stationary sensor error its variance, of all other states 0.
+  /// (nx) initial variances: that of a stationary sensor error is its variance, all others are 0.
   Eigen::VectorXd noise_start;
 };
 
-/// Builds the plant from the true vehicle, its sensors, and the estimator with its settled gains.
-/// The model includes the sensors' sample clocks, delays, responses and scale factors, and if asked
-/// their white noise, random walks, correlated errors and, as white noise, quantization. It omits
-/// biases that do not change, range, vibration and lost samples.
+/// Builds the plant from the true vehicle, its sensors, and the estimator with its steady-state
+/// gains. The model includes the sensors' sample clocks, delays, responses and scale factors and,
+/// if FlownPlantOptions::noise is set, their white noise, random walks, correlated errors and, as
+/// white noise, quantization. It omits biases that do not change, range, vibration and lost
+/// samples.
 /// @param setup  vehicle, flown vehicle, sensors, estimator and environment are used
-/// @throws InvalidInput  for a period, height or delay out of range, a sensor's delay beyond
-///                       kMostDelayPeriods control periods, or a vehicle that cannot hover; the
-///                       message names the cause
+/// @throws InvalidInput  if the period, the height or the delay is out of range, if the delay of a
+///                       sensor exceeds kMaxDelayPeriods control periods, or if the vehicle cannot
+///                       hover; the message names the cause
 [[nodiscard]] FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& options);
 
-/// A state feedback as a law for flown_plant(): inputs are the 12 states, outputs its commands. As
-/// on board, an integral is advanced before it acts. The commands that the law remembers
-/// (CommandMemory) are its own outputs.
-/// @throws InvalidInput  as state_feedback_settings()
+/// Converts a state feedback to a law for flown_plant(): the inputs are the 12 states, the outputs
+/// are its commands. As on board, an integral is advanced before it is used. The past commands in
+/// CommandMemory are the law's own outputs.
+/// @throws InvalidInput  for the reasons of state_feedback_settings()
 [[nodiscard]] DiscreteLti flown_law(const Vehicle& vehicle, const Gains& gains, double dt);
-/// A cascade as a law for flown_plant(): inputs are the 12 states, outputs the wrench.
-/// @throws InvalidInput  as cascade_law()
+/// Converts a cascade to a law for flown_plant(): the inputs are the 12 states, the outputs are the
+/// wrench.
+/// @throws InvalidInput  for the reasons of cascade_law()
 [[nodiscard]] DiscreteLti flown_law(const CascadeGains& gains, PidMethod method);
 
-/// The law of a setup, and the quantities that it commands.
+/// The law of a setup. input_kind() returns the quantities that it commands.
 [[nodiscard]] DiscreteLti flown_law(const FlightSetup& setup);
 [[nodiscard]] InputKind input_kind(const FlightSetup& setup);
 

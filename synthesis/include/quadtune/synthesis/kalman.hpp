@@ -12,19 +12,19 @@
 
 namespace quadtune {
 
-/// Process noise w enters by G, measurement noise v adds to y = C x. Discrete: covariances per
-/// step. Continuous: spectral densities.
+/// Noise of a model: process noise w enters the states through G, measurement noise v is added to
+/// y = C x. The matrices are covariances per step (discrete) or spectral densities (continuous).
 struct KalmanNoise {
   Eigen::MatrixXd G;  ///< (nx × nw), or empty for the identity
-  Eigen::MatrixXd Q;  ///< (nw × nw) symmetric, ≥ 0: of w
-  Eigen::MatrixXd R;  ///< (ny × ny) symmetric; > 0 continuous, ≥ 0 discrete: of v
-  Eigen::MatrixXd N;  ///< (nw × ny) between w and v, or empty for zero
+  Eigen::MatrixXd Q;  ///< (nw × nw) symmetric, ≥ 0: covariance of w
+  Eigen::MatrixXd R;  ///< (ny × ny) symmetric: covariance of v; > 0 continuous, ≥ 0 discrete
+  Eigen::MatrixXd N;  ///< (nw × ny) cross-covariance of w and v, or empty for zero
 };
 
-/// The steady filter with its evidence. Matrices are NaN unless solved.
+/// The steady-state filter with its evidence. Matrices are NaN unless solved.
 struct KalmanResult {
-  /// not_detectable: C does not see an unstable or boundary mode; not_stabilizable: the noise does
-  /// not drive a boundary mode.
+  /// not_detectable: an unstable mode or a mode on the stability boundary is unobservable through
+  /// C; not_stabilizable: a mode on the stability boundary is not driven by the process noise.
   RiccatiStatus status = RiccatiStatus::not_run;
   Eigen::MatrixXd M;  ///< (nx × ny) filter gain: x⁺ = x + M (y - C x); empty when continuous
   /// (nx × ny) predictor gain: x[k+1|k] = A x[k|k-1] + B u + L (y - C x[k|k-1]);
@@ -36,23 +36,24 @@ struct KalmanResult {
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< as RiccatiResult::residual
   double rcond = std::numeric_limits<double>::quiet_NaN();     ///< as RiccatiResult::rcond
   int iterations = 0;
-  std::string culprit;  ///< e.g. "mode at 1: bias cannot be seen by the measurements"
-  std::string warning;  ///< as RiccatiResult::warning, of L
+  std::string culprit;  ///< e.g. "mode at 1: bias cannot be observed by the measurements"
+  std::string warning;  ///< as RiccatiResult::warning, about L
 
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
 };
 
-/// Steady filter of x[k+1] = A x + B u + G w, y = C x + v.
+/// Computes the steady-state filter of x[k+1] = A x + B u + G w, y = C x + v.
 ///
 /// @param model  A, C (ny × nx) and the state names; B may be empty
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry, indefinite covariances.
+/// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetric or indefinite
+///                       covariances.
 [[nodiscard]] KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise);
 
-/// Steady filter (Kalman–Bucy) of x' = A x + B u + G w, y = C x + v.
+/// Computes the steady-state (Kalman–Bucy) filter of x' = A x + B u + G w, y = C x + v.
 [[nodiscard]] KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise);
 
-/// The discrete filter of a continuous model whose measurements come every dt seconds: A and G Q Gᵀ
-/// are sampled exactly, and R [unit² s] becomes R / dt.
+/// Computes the discrete filter of a continuous model that is measured every dt seconds. A and G Q
+/// Gᵀ are sampled exactly, and R [unit² s] becomes R / dt.
 /// Source: Van Loan 1978.
 [[nodiscard]] KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise,
                                           double dt);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Linear-quadratic regulators: continuous, discrete, and exact for a computer's samples, with
-/// integral action on any listed states.
+/// Linear-quadratic regulators: continuous, discrete, and sampled with the exact continuous cost,
+/// with integral action on any listed states.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,33 +12,37 @@
 
 namespace quadtune {
 
-/// The cost ∫ xᵀQx + uᵀRu + 2xᵀNu dt, or the sum over the samples of a discrete plant.
+/// Weights of the cost ∫ xᵀQx + uᵀRu + 2xᵀNu dt, or of the sum over the samples of a discrete
+/// plant.
 struct LqrWeights {
   Eigen::MatrixXd Q;  ///< (nx × nx) symmetric, ≥ 0 [1/unit²]
   Eigen::MatrixXd R;  ///< (nu × nu) symmetric, > 0 [1/unit²]
   Eigen::MatrixXd N;  ///< (nx × nu), or empty for zero
 };
 
-/// Minimizes the integral of the cost. In the result K is the gain of u = -K x, X the cost matrix
-/// S: xᵀSx is the cost from x.
+/// Minimizes the integral of the cost. In the result, K is the gain of u = -K x and X is the cost
+/// matrix: xᵀXx is the minimum cost from the initial state x.
 ///
-/// @param plant    nx states, nu inputs; state names are used by the culprit
-/// @param weights  for this plant's states and inputs
-/// @param evidence  essential for searches, which solve thousands of problems
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry, indefinite weights.
+/// @param plant     nx states, nu inputs; state names are used by the culprit
+/// @param weights   for the states and inputs of this plant
+/// @param evidence  RiccatiEvidence::essential suits searches, which solve thousands of problems
+/// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetric or indefinite
+///                       weights.
 [[nodiscard]] RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights,
                                 RiccatiEvidence evidence = RiccatiEvidence::full);
 
-/// Minimizes the sum of the cost over the samples: weights are per step.
+/// Minimizes the sum of the cost over the samples. The weights apply to each step.
 [[nodiscard]] RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights,
                                 RiccatiEvidence evidence = RiccatiEvidence::full);
 
-/// A discrete problem with exactly the cost of a continuous one for inputs held between samples.
+/// A discrete problem whose cost equals that of a continuous problem with inputs held between
+/// samples.
 struct SampledLqr {
   DiscreteLti plant;   ///< zero-order hold of the continuous plant
   LqrWeights weights;  ///< Q_d, R_d, N_d; N_d is not small at flight-control rates
 };
 
+/// Samples a continuous problem exactly.
 /// @param dt  sample period [s], > 0
 /// Source: Van Loan 1978.
 [[nodiscard]] SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt);
@@ -46,11 +50,12 @@ struct SampledLqr {
 /// Appends ∫ of the listed states to the plant, as states named "int_x" with unit "m s".
 ///
 /// @param integrated  names of states of `plant`
-/// @throws InvalidInput  for a name that is not a state or is listed twice.
+/// @throws InvalidInput  if a name is not a state or is listed twice.
 [[nodiscard]] ContinuousLti with_integrals(const ContinuousLti& plant,
                                            const std::vector<std::string>& integrated);
 
-/// diag(Q, Q_integral), and N with zero rows for the integrals.
+/// Returns the weights of the augmented plant: diag(Q, Q_integral), R, and N with zero rows for the
+/// integrals.
 ///
 /// @param Q_integral  (ni × ni) symmetric, ≥ 0
 [[nodiscard]] LqrWeights with_integral_weights(const LqrWeights& weights,

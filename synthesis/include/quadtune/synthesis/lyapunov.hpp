@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lyapunov equations, and the norms and Gramians of systems that follow from them.
+/// Lyapunov equations, and the system norms and Gramians that are computed from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct LyapunovResult {
   Eigen::MatrixXd X;  ///< (nx × nx) symmetric; all NaN unless solved
   /// ‖residual‖ over the sum of the norms of the terms, Frobenius.
   double residual = std::numeric_limits<double>::quiet_NaN();
-  std::string culprit;  ///< the pair of eigenvalues at fault; empty when solved
+  std::string culprit;  ///< the pair of eigenvalues that causes it; empty when solved
 
   [[nodiscard]] bool solved() const { return status == LyapunovStatus::solved; }
 };
@@ -32,7 +32,7 @@ struct LyapunovResult {
 ///
 /// @param A  (nx × nx), nx ≥ 1
 /// @param Q  (nx × nx) symmetric; need not be ≥ 0
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry.
+/// @throws InvalidInput  for wrong shapes, entries that are not finite, or an asymmetric Q.
 /// Source: Bartels and Stewart 1972, by the real Schur form (LAPACK).
 [[nodiscard]] LyapunovResult lyapunov_continuous(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& Q);
@@ -41,38 +41,42 @@ struct LyapunovResult {
 [[nodiscard]] LyapunovResult lyapunov_discrete(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                                const Eigen::Ref<const Eigen::MatrixXd>& Q);
 
-/// The largest gain over all frequencies, and where.
+/// The largest gain over all frequencies, and its frequency.
 struct PeakGain {
   double gain =
-      std::numeric_limits<double>::infinity();  ///< sup σ_max(G); infinite at a pole there
-  double w = 0;         ///< [rad/s] where it is reached; infinite for a continuous D alone
-  bool stable = false;  ///< all poles are stable, so that this is the H∞ norm
+      std::numeric_limits<double>::infinity();  ///< sup σ_max(G); infinite: a pole on the boundary
+  double w = 0;         ///< [rad/s] of the maximum; infinite if D of a continuous plant attains it
+  bool stable = false;  ///< whether all poles are stable; `gain` is then the H∞ norm
 };
 
-/// The L∞ norm, which is the H∞ norm of a stable plant, within `tolerance` relative: crossings of a
-/// level are imaginary eigenvalues of a Hamiltonian matrix, so that no peak is missed between
-/// frequencies. A discrete plant is mapped to a continuous one of the same norm.
+/// Computes the L∞ norm, which is the H∞ norm of a stable plant, to the relative `tolerance`. The
+/// frequencies at which the gain crosses a level are imaginary eigenvalues of a Hamiltonian matrix,
+/// so that no peak between frequencies is missed. A discrete plant is mapped to a continuous one
+/// with the same norm.
 ///
 /// @param tolerance  relative, in (0, 0.1]
-/// @throws InvalidInput  as validate(), or for the tolerance
+/// @throws InvalidInput  for the reasons of validate(), or if the tolerance is out of range
 /// Source: Bruinsma and Steinbuch 1990.
 [[nodiscard]] PeakGain peak_gain(const ContinuousLti& plant, double tolerance = 1e-10);
 [[nodiscard]] PeakGain peak_gain(const DiscreteLti& plant, double tolerance = 1e-10);
 
-/// √trace(∫ g gᵀ dt) of the impulse response g, the output's variance for white noise of unit
-/// density: infinite when the plant is not stable or, continuous, has feed-through.
+/// Computes √trace(∫ g gᵀ dt) of the impulse response g. Its square is the variance of the output
+/// for white noise of unit density. Infinite if the plant is unstable or has feed-through.
 [[nodiscard]] double h2_norm(const ContinuousLti& plant);
-/// √trace(Σ g gᵀ): the output's standard deviation for white noise of unit variance.
+/// Computes √trace(Σ g gᵀ), the standard deviation of the output for white noise of unit variance.
+/// Infinite if the plant is unstable.
 [[nodiscard]] double h2_norm(const DiscreteLti& plant);
 
-/// Wc (nx × nx): A Wc + Wc Aᵀ + B Bᵀ = 0, discrete A Wc Aᵀ - Wc + B Bᵀ = 0. xᵀ Wc⁻¹ x is the least
-/// input energy that reaches x from rest.
-/// @throws InvalidInput  naming the pole that is not stable, for then the integral diverges
+/// Solves A Wc + Wc Aᵀ + B Bᵀ = 0 (discrete: A Wc Aᵀ - Wc + B Bᵀ = 0) for Wc (nx × nx). xᵀ Wc⁻¹ x
+/// is the minimum input energy that drives the plant from 0 to x.
+/// @throws InvalidInput  if a pole is not stable, because the integral then diverges; the message
+///                       names the pole
 [[nodiscard]] Eigen::MatrixXd controllability_gramian(const ContinuousLti& plant);
 [[nodiscard]] Eigen::MatrixXd controllability_gramian(const DiscreteLti& plant);
 
-/// Wo (nx × nx): Aᵀ Wo + Wo A + Cᵀ C = 0, discrete Aᵀ Wo A - Wo + Cᵀ C = 0. xᵀ Wo x is the energy
-/// of the output that falls from x. Errors as controllability_gramian().
+/// Solves Aᵀ Wo + Wo A + Cᵀ C = 0 (discrete: Aᵀ Wo A - Wo + Cᵀ C = 0) for Wo (nx × nx). xᵀ Wo x is
+/// the energy of the output with the initial state x and no input. Errors as
+/// controllability_gramian().
 [[nodiscard]] Eigen::MatrixXd observability_gramian(const ContinuousLti& plant);
 [[nodiscard]] Eigen::MatrixXd observability_gramian(const DiscreteLti& plant);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far a loop of one channel is from instability.
+/// Stability margins of a loop with one channel.
 #pragma once
 
 #include <iosfwd>
@@ -10,46 +10,50 @@
 
 namespace quadtune {
 
-/// Where |L| = 1, at 0 rad/s too.
+/// A frequency at which |L| = 1; it may be 0 rad/s.
 struct GainCrossover {
   double w = 0;  ///< [rad/s]
-  /// [rad] in (-π, π]: arg L + π. Lag of this size turns L to -1; if negative, lead does.
+  /// [rad] in (-π, π]: arg L + π. A phase lag of this size moves L to -1; if it is negative, a
+  /// phase lead does.
   double phase_margin = 0;
-  double delay_margin = 0;  ///< [s] > 0: the least delay that turns L to -1 here
+  double delay_margin = 0;  ///< [s] > 0: the smallest delay that moves L to -1 here
 };
 
-/// Where L is real and negative, at a single frequency.
+/// An isolated frequency at which L is real and negative.
 struct PhaseCrossover {
   double w = 0;            ///< [rad/s]
-  double gain_margin = 0;  ///< 1/|L|: the factor that brings L to -1
+  double gain_margin = 0;  ///< 1/|L|: the factor that moves L to -1
 };
 
-/// The largest disk of complex factors, of real-axis ends `gain_low` and `gain_high`, any of which,
-/// even changing with frequency, leaves the loop stable. Source: Seiler, Packard, Gahinet 2020.
+/// The largest disk of complex factors, with the real-axis ends `gain_low` and `gain_high`, such
+/// that the loop remains stable when it is multiplied by any of them, even if the factor varies
+/// with frequency. Source: Seiler, Packard, Gahinet 2020.
 struct DiskMargin {
-  double alpha = 0;      ///< 1 / max |S + (skew - 1)/2|; 0 of an unstable loop
-  double w = 0;          ///< [rad/s] of the worst factor
+  double alpha = 0;      ///< 1 / max |S + (skew - 1)/2|; 0 if the loop is unstable
+  double w = 0;          ///< frequency of the worst factor [rad/s]
   double gain_low = 1;   ///< ≤ 1; may be negative
-  double gain_high = 1;  ///< ≥ 1; infinite where the disk contains all large gains
-  double phase = 0;      ///< [rad] either way, 2 atan(α/2) if skew = 0; π where no turn leaves it
+  double gain_high = 1;  ///< ≥ 1; infinite if the disk contains all large gains
+  double phase = 0;      ///< [rad] lag or lead, 2 atan(α/2) if skew = 0; π: all phases
 };
 
-/// Margins of one loop. Those of an unstable loop tell where L passes -1, not how far it may move.
+/// Margins of one loop. If the loop is unstable, they describe where L passes near -1 and are no
+/// tolerances.
 struct LoopMargins {
-  bool stable = false;                         ///< the loop when closed
-  std::vector<GainCrossover> gain_crossovers;  ///< by frequency
-  /// By frequency; only those with |L| between 1e-6 and 1e6, or whose gain is one of the margins.
+  bool stable = false;                         ///< whether the closed loop is stable
+  std::vector<GainCrossover> gain_crossovers;  ///< in order of increasing frequency
+  /// In order of increasing frequency; only those with |L| between 1e-6 and 1e6, or whose gain is
+  /// one of the margins.
   std::vector<PhaseCrossover> phase_crossovers;
-  int far_phase_crossovers = 0;  ///< how many that left out, of those on the grid
+  int far_phase_crossovers = 0;  ///< number of crossovers on the grid omitted by that rule
 
-  double gain_margin = std::numeric_limits<double>::infinity();  ///< least factor > 1 to L = -1
-  double gain_reduction = 0;                                     ///< largest factor < 1 to L = -1
-  /// [rad] least of all crossovers in size; infinite without one. Of a stable loop it is the least
-  /// turn, either way, that ends its stability: in (0, π]. Of an unstable one it is the
-  /// crossover's, with its sign.
+  double gain_margin = std::numeric_limits<double>::infinity();  ///< min. factor > 1 with L = -1
+  double gain_reduction = 0;                                     ///< max. factor < 1 with L = -1
+  /// [rad] phase margin of the gain crossover at which its magnitude is smallest; infinite without
+  /// a crossover. For a stable loop it is the magnitude, in (0, π]: the smallest phase lag or lead
+  /// that destabilizes the loop. For an unstable loop it has its sign.
   double phase_margin = std::numeric_limits<double>::infinity();
-  double crossover = 0;  ///< [rad/s] of phase_margin
-  /// [s] least of all crossovers; infinite without one.
+  double crossover = 0;  ///< frequency of phase_margin [rad/s]
+  /// [s] minimum over all gain crossovers; infinite without one.
   double delay_margin = std::numeric_limits<double>::infinity();
 
   double Ms = 0;    ///< max |S|, S = 1/(1 + L); 1/Ms is the modulus margin
@@ -61,13 +65,13 @@ struct LoopMargins {
 
 std::ostream& operator<<(std::ostream& out, const LoopMargins& margins);
 
-/// Margins of a loop of one channel, continuous (with delay) or discrete: exact responses on a grid
-/// that is dense around every pole and zero of the open and of the closed loop, then roots and
-/// peaks refined to rounding.
+/// Computes the margins of a loop with one channel, continuous (with delay) or discrete. The
+/// response is evaluated exactly on a grid that is dense around every pole and zero of the open and
+/// of the closed loop; roots and peaks are then refined to rounding accuracy.
 ///
-/// @param loop  of one channel; OpenLoop::channel() makes one of several
-/// @param skew  of the disk: 0 symmetric (as S - T), 1 the modulus margin's S, -1 that of T
-/// @throws InvalidInput  for a loop of several channels, or a skew that is not finite
+/// @param loop  one channel; OpenLoop::channel() extracts one of several
+/// @param skew  of the disk: 0 symmetric (S - T), 1 based on S (modulus margin), -1 based on T
+/// @throws InvalidInput  if the loop has several channels, or the skew is not finite
 [[nodiscard]] LoopMargins loop_margins(const OpenLoop& loop, double skew = 0);
 
 }  // namespace quadtune

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Static output feedback u = -F y of periodic plants: its quadratic cost, the slope of the cost,
-/// and a penalty on small stability margins. Theory: docs/theory.md, "Gains of a given structure".
+/// Static output feedback u = -F y of periodic plants: its quadratic cost, the gradient of the
+/// cost, and a penalty on small stability margins. Theory: docs/theory.md, "Gains of a given
+/// structure".
 #pragma once
 
 #include <Eigen/Core>
@@ -11,12 +12,12 @@
 
 namespace quadtune {
 
-/// The sum over all steps of xᵀQx + uᵀRu, added up over the initial states.
+/// The cost Σ xᵀQx + uᵀRu over all steps, summed over the given initial states.
 struct OutputFeedbackProblem {
   PeriodicLti plant;      ///< nx states, nu inputs, ny outputs
   Eigen::MatrixXd Q;      ///< (nx × nx) symmetric, ≥ 0
   Eigen::MatrixXd R;      ///< (nu × nu) symmetric, ≥ 0
-  Eigen::MatrixXd start;  ///< (nx × ns) initial states at the first control period of a round
+  Eigen::MatrixXd start;  ///< (nx × ns) initial states, at step k = 0 of the period
 };
 
 struct OutputFeedbackCost {
@@ -25,18 +26,18 @@ struct OutputFeedbackCost {
   Eigen::MatrixXd slope;  ///< (nu × ny) ∂cost/∂F; NaN unless stable
 };
 
-/// Evaluates u = -F y. The cost and its slope follow from two periodic Lyapunov equations.
+/// Evaluates u = -F y. The cost and its gradient are computed from two periodic Lyapunov equations.
 /// @param F  (nu × ny)
-/// @throws InvalidInput  for shapes that disagree or entries that are not finite
+/// @throws InvalidInput  if shapes disagree or entries are not finite
 /// Source: Levine and Athans 1970, for periodic plants as in docs/theory.md.
 [[nodiscard]] OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem,
                                                       const Eigen::MatrixXd& F);
 
-/// Appends the integrals of outputs: i[k+1] = i[k] + dt y[k], seen by the law as i[k] + now dt
-/// y[k].
+/// Appends integrals of outputs, i[k+1] = i[k] + dt y[k]. The law reads i[k] + now dt y[k].
 /// @param outputs  indices of the integrated outputs; their integrals become the last outputs
-/// @param now      1: the law advances its integral before it acts; 0: after; ½: trapezoidal rule
-/// @throws InvalidInput  for an index out of range
+/// @param now      1: the law advances its integral before it uses it; 0: after; ½: trapezoidal
+///                 rule
+/// @throws InvalidInput  if an index is out of range
 [[nodiscard]] PeriodicLti with_integrals(const PeriodicLti& plant,
                                          const std::vector<Eigen::Index>& outputs, double now);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Linear systems whose matrices repeat after N control periods, as loops whose sensors sample at
-/// other rates than the law. Theory: docs/theory.md, "The flown loop".
+/// Linear systems whose matrices repeat after N control periods, for example loops whose sensors
+/// sample at other rates than the law. Theory: docs/theory.md, "The flown loop".
 #pragma once
 
 #include <Eigen/Core>
@@ -31,53 +31,55 @@ struct PeriodicLti {
 void validate(const PeriodicLti& plant, const std::string& where);
 
 /// A time-invariant plant as a periodic one with N = 1.
-/// @throws InvalidInput  for a plant with feed-through.
+/// @throws InvalidInput  if the plant has feed-through.
 [[nodiscard]] PeriodicLti periodic(const DiscreteLti& plant);
 
-/// The plant without the states that no input affects or that affect no output, determined from the
-/// zero pattern of the matrices. Such states are part of no loop: the true position of a vehicle
+/// Removes the states that no input affects or that affect no output, as determined from the zero
+/// pattern of the matrices. Such states are not part of a loop: the true position of a vehicle
 /// without a position sensor, or a constant bias.
 /// @param kept  if not null, receives the indices of the states that were kept, in order
 [[nodiscard]] PeriodicLti loop_part(const PeriodicLti& plant,
                                     std::vector<Eigen::Index>* kept = nullptr);
 
-/// The loop transfer L cut at the plant's inputs: L under negative feedback is the closed loop.
+/// Computes the open loop L, cut at the plant's inputs. L under negative feedback is the closed
+/// loop.
 /// @param law  inputs are the plant's outputs, outputs its inputs
 /// @return     states of the plant, then of the law; inputs and outputs are the plant's inputs
-/// @throws InvalidInput  for other sizes or another period
+/// @throws InvalidInput  if the sizes or the control periods of plant and law disagree
 [[nodiscard]] PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law);
 
-/// The loop transfer cut at the plant's outputs, where the law reads them, likewise.
+/// Computes the open loop, cut at the plant's outputs where the law reads them, in the same way.
 /// @return  states of the plant, then of the law; inputs and outputs are the plant's outputs
-/// @throws InvalidInput  for other sizes or another period
+/// @throws InvalidInput  if the sizes or the control periods of plant and law disagree
 [[nodiscard]] PeriodicLti cut_at_outputs(const PeriodicLti& plant, const DiscreteLti& law);
 
-/// The loop transfer of one channel with all other channels closed.
+/// Computes the open loop of one channel with all other channels closed.
 /// @param loop  under negative feedback, as many inputs as outputs
 [[nodiscard]] PeriodicLti channel(const PeriodicLti& loop, Eigen::Index index);
 
-/// Each channel of a loop, reduced to the states that are coupled to it when all channels are
-/// closed. An instability of states that are not coupled to a channel does not affect its margins.
-[[nodiscard]] std::vector<PeriodicLti> own_channels(const PeriodicLti& loop);
+/// Computes the channels of a loop, each reduced to the states that are coupled to it when all
+/// channels are closed. An instability of states that are not coupled to a channel does not affect
+/// its margins.
+[[nodiscard]] std::vector<PeriodicLti> decoupled_channels(const PeriodicLti& loop);
 
-/// The matrices of the closed loop, A[k] - B[k] C.
+/// Computes the matrices of the closed loop, A[k] - B[k] C.
 [[nodiscard]] std::vector<Eigen::MatrixXd> closed(const PeriodicLti& loop);
 
-/// The poles z of one control period: z^N is an eigenvalue of the product A[N-1] … A[0] (a Floquet
-/// multiplier). Of the N roots the result is the one nearest to an eigenvalue of the mean of the
-/// matrices; |z| does not depend on that choice.
+/// Computes the poles z of one control period: z^N is an eigenvalue of the product A[N-1] … A[0] (a
+/// Floquet multiplier). Of the N roots the result is the one nearest to an eigenvalue of the mean
+/// of the matrices; |z| does not depend on that choice.
 /// @return  in order of decreasing |z|
 [[nodiscard]] Eigen::VectorXcd periodic_poles(const std::vector<Eigen::MatrixXd>& A);
 
 /// A pole and the states that dominate its mode.
 struct NamedMode {
-  std::complex<double> z;           ///< of one control period
-  std::vector<std::string> states;  ///< largest first, at most three
+  std::complex<double> z;           ///< pole of one control period
+  std::vector<std::string> states;  ///< in order of decreasing share, at most three
 };
 
-/// The mode of the largest |z|.
-/// @param states  names of the states, one each
-/// @param scale   a typical size of each state, > 0
+/// Computes the mode with the largest |z|.
+/// @param states  one name for each state
+/// @param scale   a typical magnitude of each state, > 0
 [[nodiscard]] NamedMode largest_mode(const std::vector<Eigen::MatrixXd>& A,
                                      const std::vector<Signal>& states,
                                      const Eigen::VectorXd& scale);
@@ -87,7 +89,7 @@ struct NamedMode {
 /// sequence. For N = 1 it is the frequency response.
 class MeanResponse {
  public:
-  /// @throws InvalidInput  as validate()
+  /// @throws InvalidInput  for the reasons of validate()
   explicit MeanResponse(const PeriodicLti& plant);
   ~MeanResponse();
   MeanResponse(MeanResponse&&) noexcept;
@@ -102,11 +104,12 @@ class MeanResponse {
   std::unique_ptr<Reduced> reduced_;
 };
 
-/// Margins of a loop with one channel, computed from the mean response S of the closed loop with
-/// L = 1/S - 1. `stable` is exact. For N = 1 they are those of OpenLoop.
+/// Computes the margins of a loop with one channel from L = 1/S - 1, where S is the mean response
+/// of the closed loop. `stable` is exact. For N = 1 the result equals that of the OpenLoop
+/// overload.
 /// @param loop  one input, one output, under negative feedback
-/// @param skew  as loop_margins()
-/// @throws InvalidInput  for a loop of several channels
+/// @param skew  as for the OpenLoop overload
+/// @throws InvalidInput  if the loop has several channels
 [[nodiscard]] LoopMargins loop_margins(const PeriodicLti& loop, double skew = 0);
 
 }  // namespace quadtune

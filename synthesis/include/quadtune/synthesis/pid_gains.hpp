@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains of one continuous PID controller, in the forms in which they are written.
+/// Gains of one continuous PID controller, in parallel and in standard form.
 #pragma once
 
 #include <complex>
@@ -12,7 +12,7 @@
 
 namespace quadtune {
 
-/// Which parts a controller has.
+/// The terms of a controller.
 enum class PidType { P, PI, PD, PID };
 
 /// "P", "PI", "PD", "PID".
@@ -31,8 +31,8 @@ struct PidGains {
 
 std::ostream& operator<<(std::ostream& out, const PidGains& gains);
 
-/// C(s) P(s), with the plant's delay and without poles and zeros of parts that the gains leave out.
-/// The derivative without a filter may leave it with more zeros than poles.
+/// Computes C(s) P(s), with the delay of the plant. Terms whose gain is 0 add no poles and zeros. A
+/// derivative without filter may give the result more zeros than poles.
 [[nodiscard]] ContinuousTransferFunction loop_of(const ContinuousTransferFunction& plant,
                                                  const PidGains& gains);
 
@@ -44,17 +44,19 @@ struct PidStandard {
   double Tf = 0;                                        ///< [s]
 };
 
-/// @throws InvalidInput  when Kp is 0 and another gain is not: the standard form has no such
-///                       controller.
+/// Converts parallel to standard form.
+/// @throws InvalidInput  if Kp is 0 and another gain is not, because the standard form cannot
+///                       represent such a controller.
 [[nodiscard]] PidStandard standard_form(const PidGains& gains);
 
-/// @throws InvalidInput  when Ti is 0 or not a number.
+/// Converts standard to parallel form.
+/// @throws InvalidInput  if Ti is 0 or not a number.
 [[nodiscard]] PidGains parallel_form(const PidStandard& standard);
 
-/// The element that runs these gains every dt seconds: filtered derivative where Tf > 0, a plain
-/// difference where it is 0.
-/// @throws InvalidInput  as validate() of the settings, e.g. when forward Euler makes the filter
-///                       unstable.
+/// Computes the settings of the discrete controller that runs these gains every dt seconds. Its
+/// derivative is filtered if Tf > 0, and a plain difference if Tf is 0.
+/// @throws InvalidInput  for the reasons of validate() of the settings, e.g. if forward Euler makes
+///                       the filter unstable.
 [[nodiscard]] PidSettings<double> pid_settings(const PidGains& gains, double dt,
                                                PidMethod method = PidMethod::tustin);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The PID controller that rejects slow disturbances best within bounds on robustness and noise.
+/// The PID controller that rejects slow disturbances best, subject to bounds on robustness and
+/// noise.
 #pragma once
 
 #include <iosfwd>
@@ -12,20 +13,21 @@
 
 namespace quadtune {
 
-/// What bounds the gains. An infinite bound does not.
+/// Bounds on the loop. An infinite bound is inactive.
 struct PidBounds {
   double Ms_max = 1.4;                                      ///< max |S|, S = 1/(1 + L), > 1
   double Mt_max = std::numeric_limits<double>::infinity();  ///< max |T|, T = L/(1 + L), > 1
-  /// max |C S|: from the measurement's noise to the output, > 0. A PID without filter has none.
+  /// max |C S|, the gain from measurement noise to the controller's output, > 0. It is infinite for
+  /// a PID without filter, which therefore cannot have this bound.
   double noise_gain_max = std::numeric_limits<double>::infinity();
 };
 
 /// How a search ended.
 enum class PidOptimumStatus {
   not_run,
-  solved,     ///< the search has converged, all bounds are kept
-  not_found,  ///< no stabilizing gains within the bounds were met
-  unbounded,  ///< Ki grew beyond all numbers: nothing bounds it
+  solved,     ///< the search has converged, and all bounds are met
+  not_found,  ///< the search found no stabilizing gains within the bounds
+  unbounded,  ///< Ki grew without limit: no bound is active
 };
 
 /// "solved", "not found", "unbounded".
@@ -40,8 +42,8 @@ struct PidOptimum {
   double Ms = kNaN;
   double Mt = kNaN;
   double noise_gain = kNaN;          ///< max |C S|
-  std::vector<std::string> binding;  ///< of "Ms", "Mt", "noise gain": those met within 0.1 %
-  int evaluations = 0;               ///< of the greatest Ki at given Kp and Kd
+  std::vector<std::string> binding;  ///< "Ms", "Mt", "noise gain": active within 0.1 %
+  int evaluations = 0;               ///< how often Ki was maximized for given Kp and Kd
   std::string culprit;               ///< empty when solved
 
   [[nodiscard]] bool solved() const { return status == PidOptimumStatus::solved; }
@@ -49,23 +51,24 @@ struct PidOptimum {
 
 std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum);
 
-/// Greatest |Ki|, whose inverse is the integral of the error after a unit step of load at the
-/// plant's input, within the bounds.
+/// Maximizes |Ki| within the bounds. Its inverse is the integral of the error after a unit load
+/// step at the plant's input.
 ///
-/// For given Kp and Kd each bound is, at each frequency, a quadratic inequality in Ki; the greatest
-/// Ki is at the end of the highest gap that they leave and in which the loop is stable. It is
-/// climbed over Kp for every Kd, and over Kd, by golden sections, which follow the ridge where two
-/// bounds meet. The start is the best of AMIGO's gains, where a model for them can be fitted, and
-/// of a scan over crossovers. A local search: a better optimum elsewhere is not excluded.
+/// For given Kp and Kd, each bound is a quadratic inequality in Ki at each frequency. The maximum
+/// Ki is the upper end of the highest feasible interval in which the loop is stable. Nested golden
+/// section searches, over Kd and over Kp for each Kd, maximize it; they can follow the ridge where
+/// two bounds are active. The search starts from the best of a scan over crossovers and of the
+/// AMIGO gains, if their model can be fitted. It is local: a better optimum elsewhere is not
+/// excluded.
 ///
 /// @param plant   with its delay
 /// @param type    PI or PID
-/// @param bounds  as above
-/// @param Tf      time constant of the derivative's filter [s], ≥ 0; PI does not use it
-/// @throws InvalidInput  for a plant or bounds that are none, or another type.
+/// @param bounds  see PidBounds
+/// @param Tf      time constant of the derivative filter [s], ≥ 0; not used by PI
+/// @throws InvalidInput  if the plant is malformed, a bound is out of range, or the type is neither
+///                       PI nor PID.
 /// Source: Åström, Panagopoulos, Hägglund 1998. Theory: "PID synthesis".
-[[nodiscard]] PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant,
-                                                PidType type, const PidBounds& bounds,
-                                                double Tf = 0);
+[[nodiscard]] PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType type,
+                                           const PidBounds& bounds, double Tf = 0);
 
 }  // namespace quadtune

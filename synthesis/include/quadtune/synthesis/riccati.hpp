@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Algebraic Riccati equations, continuous and discrete, with the evidence that the solution is the
-/// stabilizing one, or the mode that forbids it.
+/// Algebraic Riccati equations, continuous and discrete. A result contains the evidence that the
+/// solution is the stabilizing one, or names the mode that prevents it.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,67 +15,68 @@ namespace quadtune {
 
 /// How a Riccati solve ended.
 enum class RiccatiStatus {
-  not_run,           ///< no problem was given yet
+  not_run,           ///< no problem has been solved yet
   solved,            ///< X is stabilizing and meets the tolerance
-  not_stabilizable,  ///< B cannot steer an unstable or boundary mode of A
-  not_detectable,    ///< Q does not see a mode of A on the boundary
-  boundary_pair,     ///< closed-loop eigenvalues on the boundary for another reason
-  no_convergence,    ///< neither path reached the tolerance
+  not_stabilizable,  ///< an unstable or boundary mode of A is uncontrollable through B
+  not_detectable,    ///< a boundary mode of A is unobservable through Q
+  boundary_pair,     ///< closed-loop eigenvalues on the stability boundary for another reason
+  no_convergence,    ///< no method reached the tolerance
 };
 
 /// "solved", "not stabilizable", …
 [[nodiscard]] std::string to_string(RiccatiStatus status);
 
-/// How much a solve tells about its solution. X, K, residual, rcond and the proof that X is
-/// stabilizing (the powers of the closed loop vanish) belong to both.
+/// How much evidence a solve computes. Both levels include X, K, residual, rcond and the proof that
+/// X is stabilizing (the powers of the closed loop converge to 0).
 enum class RiccatiEvidence {
-  full,       ///< closed-loop poles as well, which cost more than the solution when nx is small
+  full,       ///< also closed-loop poles, which cost more than the solution if nx is small
   essential,  ///< no poles
 };
 
-/// What the equation is solved for: only the words of the culprit depend on it.
+/// The purpose of the equation. It affects only the wording of the culprit.
 enum class RiccatiProblem {
-  regulator,  ///< "cannot be steered", "is not seen by Q"
-  filter,  ///< on (Aᵀ, Cᵀ): "cannot be seen by the measurements", "is not driven by the noise"
+  regulator,  ///< "cannot be controlled", "is not observable through Q"
+  filter,  ///< (Aᵀ, Cᵀ): "cannot be observed by the measurements", "is not driven by the noise"
 };
 
-/// How hard the solver tries. The defaults suit 1 ≤ nx ≤ 200.
+/// Options of the solvers. The defaults suit 1 ≤ nx ≤ 200.
 struct RiccatiOptions {
-  double relative_tolerance = 1e-12;  ///< on RiccatiResult::residual of a well-conditioned problem
+  double relative_tolerance = 1e-12;  ///< of RiccatiResult::residual if well-conditioned
   int max_iterations = 60;            ///< doubling steps; eight is typical
   RiccatiEvidence evidence = RiccatiEvidence::full;
-  /// Whether a Q with a negative eigenvalue beyond rounding throws InvalidInput. If not, the
-  /// stabilizing solution is looked for all the same (published test problems have such a Q), and
-  /// RiccatiResult::warning tells the eigenvalue.
-  bool refuse_indefinite_Q = false;
+  /// Whether a Q with a negative eigenvalue that exceeds rounding is rejected with InvalidInput. If
+  /// not, the equation is solved nevertheless (published test problems have such a Q), and
+  /// RiccatiResult::warning states the eigenvalue.
+  bool reject_indefinite_Q = false;
   RiccatiProblem problem = RiccatiProblem::regulator;
-  std::vector<std::string> state_names;  ///< nx, used by the culprit; empty: "state 1", …
+  std::vector<std::string> state_names;  ///< nx names for the culprit; empty: "state 1", …
 };
 
-/// A stabilizing solution together with the evidence that it is the right one.
+/// A stabilizing solution with its evidence.
 struct RiccatiResult {
   RiccatiStatus status = RiccatiStatus::not_run;
   Eigen::MatrixXd X;       ///< (nx × nx) symmetric, ≥ 0 if Q is; all NaN unless solved
   Eigen::MatrixXd K;       ///< (nu × nx) gain of u = -K x; all NaN unless solved
   Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - B K; empty unless solved with full evidence
-  /// ‖residual of the equation‖ over the sum of the norms of its terms, Frobenius.
+  /// Relative residual: ‖residual of the equation‖ / sum of the norms of its terms, Frobenius.
   double residual = std::numeric_limits<double>::quiet_NaN();
   /// Reciprocal condition of the equation at X (Kenney–Hewer, Byers), in (0, 1]. The solution's
   /// relative error is of the order of 1e-16 / rcond.
   double rcond = std::numeric_limits<double>::quiet_NaN();
-  int iterations = 0;       ///< doubling steps; 0 when the Schur method gave the answer
-  bool used_schur = false;  ///< doubling did not reach the tolerance
-  /// Solved in 50 decimal digits, because neither method reached the tolerance in double precision
-  /// or, with full evidence, because its answer was doubtful. Only up to 40 states and inputs.
+  int iterations = 0;       ///< doubling steps; 0 if the Schur method computed the solution
+  bool used_schur = false;  ///< whether doubling missed the tolerance
+  /// Whether the equation was solved in 50 decimal digits, because neither method reached the
+  /// tolerance in double precision or, with full evidence, because the accuracy of the result was
+  /// doubtful. Only for up to 40 states and inputs.
   bool used_extended = false;
-  /// How far K depends on the last digit of the matrices: ‖δK‖/‖K‖ when every entry is rounded once
-  /// more (by 1.1e-16 of it). Found by trial where used_extended; otherwise a bound, and that only
-  /// where rcond < 1e-12. NaN where it was not asked. Infinite: the rounding decides whether there
-  /// is a solution.
+  /// Sensitivity of K to rounding of the matrices: ‖δK‖/‖K‖ when every entry is changed by one
+  /// rounding (a relative 1.1e-16). If used_extended, it is estimated by random perturbations;
+  /// otherwise it is an upper bound, computed only if rcond < 1e-12, and NaN if not computed.
+  /// Infinite if the rounding decides whether a solution exists.
   double gain_error = std::numeric_limits<double>::quiet_NaN();
-  std::string culprit;  ///< e.g. "mode at 0: y and vy cannot be steered"; empty when solved
+  std::string culprit;  ///< e.g. "mode at 0: y and vy cannot be controlled"; empty when solved
   /// e.g. "Q has eigenvalue -0.1, …", or that the equation is ill-conditioned (rcond < 1e-12, or
-  /// gain_error > 1e-6) and how far K may be off; empty when there is nothing to say.
+  /// gain_error > 1e-6) with the possible relative error of K; empty if there is no warning.
   std::string warning;
 
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
@@ -89,14 +90,15 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
 /// @param A  (nx × nx), nx ≥ 1
 /// @param B  (nx × nu), nu ≥ 1
 /// @param Q  (nx × nx) symmetric, ≥ 0 up to rounding (1e-12 of its norm); see
-///           RiccatiOptions::refuse_indefinite_Q
+///           RiccatiOptions::reject_indefinite_Q
 /// @param R  (nu × nu) symmetric, > 0
 /// @param N  (nx × nu), or empty for zero
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry (with its size), an R that is
-/// not
-///                       > 0 (with the eigenvalue), options out of range.
+/// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetry (with its size),
+///                       an R that is not positive definite (with the eigenvalue), and options out
+///                       of range.
 /// Source: doubling by Chu, Fan, Lin 2005; ordered Schur by Laub 1979; refinement by Kleinman 1968.
-/// Where double precision does not do, the same in 50 digits: see RiccatiResult::used_extended.
+/// If double precision is insufficient, the equation is solved in 50 digits: see
+/// RiccatiResult::used_extended.
 [[nodiscard]] RiccatiResult care(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                  const Eigen::Ref<const Eigen::MatrixXd>& B,
                                  const Eigen::Ref<const Eigen::MatrixXd>& Q,
@@ -116,27 +118,29 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
                                  const Eigen::Ref<const Eigen::MatrixXd>& N = Eigen::MatrixXd(),
                                  const RiccatiOptions& options = {});
 
-/// Solves Riccati equations of one size again and again in memory that it owns. As long as doubling
-/// reaches the tolerance, evidence is essential and nx ≤ 100, a solve allocates nothing.
+/// Solves Riccati equations of one size repeatedly and reuses its memory. A solve does not allocate
+/// if doubling reaches the tolerance, the evidence is essential, and nx ≤ 100.
 ///
 /// Not for use by two threads at once. A moved-from solver may only be destroyed or assigned to.
 class RiccatiSolver {
  public:
-  /// @param nx, nu   sizes that every solve will have, ≥ 1
-  /// @throws InvalidInput  for sizes < 1, or options out of range
+  /// @param nx, nu  sizes of all equations to solve, ≥ 1
+  /// @throws InvalidInput  if a size is < 1, or an option is out of range
   RiccatiSolver(Eigen::Index nx, Eigen::Index nu, RiccatiOptions options = {});
   ~RiccatiSolver();
   RiccatiSolver(RiccatiSolver&&) noexcept;
   RiccatiSolver& operator=(RiccatiSolver&&) noexcept;
 
-  /// As the function care(), for the sizes of this solver. The result is valid until the next call.
+  /// Same as the function care(), for the sizes of this solver. The result is valid until the next
+  /// call.
   const RiccatiResult& care(const Eigen::Ref<const Eigen::MatrixXd>& A,
                             const Eigen::Ref<const Eigen::MatrixXd>& B,
                             const Eigen::Ref<const Eigen::MatrixXd>& Q,
                             const Eigen::Ref<const Eigen::MatrixXd>& R,
                             const Eigen::Ref<const Eigen::MatrixXd>& N = Eigen::MatrixXd());
 
-  /// As the function dare(), for the sizes of this solver. The result is valid until the next call.
+  /// Same as the function dare(), for the sizes of this solver. The result is valid until the next
+  /// call.
   const RiccatiResult& dare(const Eigen::Ref<const Eigen::MatrixXd>& A,
                             const Eigen::Ref<const Eigen::MatrixXd>& B,
                             const Eigen::Ref<const Eigen::MatrixXd>& Q,

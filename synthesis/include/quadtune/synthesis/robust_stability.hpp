@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Is a loop stable for every value of its uncertain numbers and delay? A proof, not a sample.
+/// Proves that a loop is stable for all values of its uncertain parameters and its delay.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,53 +17,55 @@ namespace quadtune {
 enum class StabilityProofStatus {
   not_run,
   proved,      ///< stable at every point of the box
-  unstable,    ///< not stable at the middle of `where`, as far as computed poles tell
-  not_proved,  ///< neither, within the budget
+  unstable,    ///< unstable at the midpoint of `where`, according to its computed poles
+  not_proved,  ///< neither was shown within the budget
   interrupted,
 };
 
 /// "not run", "proved", "unstable", "not proved", "interrupted".
 [[nodiscard]] std::string to_string(StabilityProofStatus status);
 
-/// How hard it tries.
+/// Options of prove_stability().
 struct StabilityProofOptions {
-  int most_boxes = 20000;  ///< that are looked at, ≥ 1; not proved beyond
-  /// A proof is given up before its budget is spent where, by the share of a part's box that is
-  /// proved, the part would take more than this many times the budget. Infinite: never.
-  double give_up = std::numeric_limits<double>::infinity();
-  std::size_t threads = 0;            ///< at most so many at once; 0: one for each processor
-  std::function<bool()> interrupted;  ///< asked now and then, by any thread; empty: never
+  int max_boxes = 20000;  ///< maximum number of boxes to examine, ≥ 1
+  /// The proof is aborted early if one part, extrapolated from the fraction of its box that is
+  /// proved, would need more than this multiple of the budget. Infinite: never.
+  double abort_factor = std::numeric_limits<double>::infinity();
+  std::size_t threads = 0;            ///< maximum number of threads; 0: one per processor
+  std::function<bool()> interrupted;  ///< polled from any thread; true aborts; empty: never
 };
 
-/// The answer with its evidence.
+/// The verdict with its evidence.
 struct StabilityProof {
   StabilityProofStatus status = StabilityProofStatus::not_run;
-  int boxes = 0;         ///< looked at, each with one Lyapunov function where it is proved
-  int proved_boxes = 0;  ///< of these
-  /// The loops that do not know of one another but by rounding, by the names of their states.
+  int boxes = 0;         ///< examined; each proved box has one Lyapunov function
+  int proved_boxes = 0;  ///< number of boxes that are proved
+  /// The parts of the loop that are decoupled up to rounding, described by the names of their
+  /// states.
   std::vector<std::string> parts;
-  /// By how much every loop contracts a period at least, in the norm of its box: ‖x⁺‖ ≤ (1 -
-  /// gap)‖x‖.
+  /// Minimum contraction in one period over all boxes: in the norm of the box,
+  /// ‖x⁺‖ ≤ (1 - gap) ‖x‖.
   double gap = std::numeric_limits<double>::quiet_NaN();
-  double coupling = 0;  ///< bound, in the same norms, of what rounding couples the parts by; < gap
-  std::string part;     ///< of the box that is not proved, or unstable
-  LoopBox where;        ///< that box: the numbers that move the part, and the delay
-  std::vector<std::string> numbers;  ///< names of where's numbers
-  std::string culprit;               ///< in words; empty when proved
+  double coupling = 0;  ///< upper bound of the coupling between parts in these norms; < gap
+  std::string part;     ///< part of the box that is not proved or unstable
+  LoopBox where;        ///< that box: the parameters that affect the part, and the delay
+  std::vector<std::string> numbers;  ///< names of the parameters of `where`
+  std::string culprit;               ///< description; empty when proved
 
   [[nodiscard]] bool proved() const { return status == StabilityProofStatus::proved; }
 };
 
-/// Proves that the closed loop's poles are inside the unit circle for all numbers and delays of a
-/// box, each constant: the loop is split into parts, the box of each into smaller ones, and on each
-/// one quadratic Lyapunov function is shown to fall at all corners, with what lies between the
-/// corners, the matrix exponential's truncation and every rounding bounded.
+/// Proves that all poles of the closed loop are inside the unit circle for all constant values of
+/// the parameters and the delay in a box. The loop is split into decoupled parts and the box of
+/// each part into smaller boxes. For each box, one quadratic Lyapunov function is shown to decrease
+/// at all corners; the deviation between the corners, the truncation of the matrix exponential and
+/// all rounding errors are bounded.
 ///
-/// A box that is stable with some distance is proved after enough splitting; how far the splitting
-/// gets is the budget's question. The answer does not depend on the number of threads.
+/// A box in which the loop is stable with a positive margin is proved after sufficiently many
+/// splits; the budget limits their number. The result does not depend on the number of threads.
 ///
-/// @param loop  at most ten numbers of some width in a part
-/// @throws InvalidInput  for a loop or a box that is none
+/// @param loop  at most ten parameters with an interval of positive width in each part
+/// @throws InvalidInput  if the loop or the box is invalid; see their validate()
 /// Theory: "Certified stability".
 [[nodiscard]] StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,
                                              const StabilityProofOptions& options = {});

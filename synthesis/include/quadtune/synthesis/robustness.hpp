@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far the parameters of a loop may be from their nominal values: what is proved below, what a
-/// search found above.
+/// How far the parameters of a loop may deviate from their nominal values: a proved lower bound,
+/// and an upper bound by a search for unstable loops.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,74 +14,79 @@
 
 namespace quadtune {
 
-/// One thing that is not known of a loop: constant, somewhere between two bounds.
+/// An uncertain parameter of a loop: a constant between two bounds.
 struct UncertainParameter {
   std::string name;  ///< e.g. "mass"
-  std::string unit;  ///< "" of a ratio
+  std::string unit;  ///< "" for a ratio
   double low = 1;
   double nominal = 1;  ///< low ≤ nominal ≤ high
   double high = 1;
 };
 
-/// Numbers and delay of a loop for one value of each parameter.
+/// The plant parameters and the delay of a loop at one point.
 struct LoopPoint {
   Eigen::VectorXd numbers;
   double delay = 0;  ///< [s]
 };
 
-/// A loop whose numbers and delay follow from parameters, and the box that these are in.
+/// A loop whose plant parameters and delay are functions of uncertain parameters, with their
+/// bounds.
 struct LoopFamily {
   UncertainLoop loop;
   std::vector<UncertainParameter> parameters;
-  /// The loop of one value of each parameter.
+  /// The loop for given values of the parameters.
   std::function<LoopPoint(const Eigen::VectorXd&)> at;
-  /// Bounds of at() over low … high; they may be wide, not narrow.
+  /// Bounds of at() over the box low … high. They may be conservative, but must contain all values.
   std::function<LoopBox(const Eigen::VectorXd& low, const Eigen::VectorXd& high)> over;
-  /// How far the box can be scaled about the nominal values until it means nothing any more, > 0.
-  double greatest_scale = 1;
-  std::string greatest_scale_reason;  ///< why not further, e.g. "the vehicle cannot hover"
+  /// The maximum factor, > 0, by which the box can be scaled about the nominal values and remain
+  /// meaningful.
+  double max_scale = 1;
+  std::string max_scale_reason;  ///< reason of the limit, e.g. "the vehicle cannot hover"
 };
 
-/// Checks bounds in order, at least one parameter, both functions.
-/// @throws InvalidInput  naming the parameter, what came and what was expected.
+/// Checks that there is at least one parameter, that bounds are in order, and that both functions
+/// are set.
+/// @throws InvalidInput  naming the parameter, its value and the expected value.
 void validate(const LoopFamily& family, const std::string& where);
 
-/// The box scaled about the nominal values: low and high ends of each parameter.
+/// A box of parameter values: the lower and upper bound of each parameter.
 struct ParameterBox {
   Eigen::VectorXd low, high;
 };
+/// Scales the box of a family about the nominal values.
 [[nodiscard]] ParameterBox scaled_box(const LoopFamily& family, double scale);
 
-/// A point of the box with what the loop does there.
+/// A point of the box and the spectral radius of the loop there.
 struct WorstCase {
-  double radius = 0;           ///< spectral radius, computed; ≥ 1 + 1e-8 counts as unstable
-  Eigen::VectorXd parameters;  ///< empty where there is none
+  double radius = 0;           ///< computed spectral radius; unstable if ≥ 1 + 1e-8
+  Eigen::VectorXd parameters;  ///< empty if there is no such point
 
   [[nodiscard]] bool unstable() const { return radius >= 1 + 1e-8; }
 };
 
-/// How hard the search and the proofs try.
+/// Options of assess_robustness().
 struct RobustnessOptions {
-  StabilityProofOptions proof;  ///< of the box as it is
-  int bracket_boxes = 1000;     ///< of each of the proofs of scaled boxes
-  double tolerance = 0.02;  ///< the bracket is left alone when narrower than this share, in (0, 1)
-  std::uint64_t seed = 1;   ///< of the points that the search draws
+  StabilityProofOptions proof;  ///< for the unscaled box
+  int bracket_boxes = 1000;     ///< maximum number of boxes per proof of a scaled box
+  double tolerance = 0.02;      ///< relative width at which the bracket is accepted, in (0, 1)
+  std::uint64_t seed = 1;       ///< of the random points of the search
 };
 
-/// proved_scale ≤ the scale at which the loop first loses stability ≤ found_scale.
+/// The result: proved_scale ≤ the smallest scale at which the loop is unstable ≤ found_scale.
 struct Robustness {
-  StabilityProof proof;     ///< of the box as it is
+  StabilityProof proof;     ///< of the unscaled box
   WorstCase worst;          ///< the largest radius that the search found in that box
-  double proved_scale = 0;  ///< of the largest scaled box that was proved; 0: not even nominal
-  /// Of the smallest with an unstable loop that was found; infinite where none was found up to the
-  /// family's greatest scale.
+  double proved_scale = 0;  ///< the largest scale that was proved; 0: not even nominal
+  /// The smallest scale at which an unstable loop was found; infinite if none was found up to
+  /// LoopFamily::max_scale.
   double found_scale = std::numeric_limits<double>::infinity();
-  WorstCase found;  ///< at that scale
-  int boxes = 0;    ///< looked at by all proofs together
+  WorstCase found;  ///< the unstable loop at that scale
+  int boxes = 0;    ///< examined by all proofs together
 };
 
-/// Proves the box, searches it, and brackets the scale at which stability is lost.
-/// @throws InvalidInput  as validate() and prove_stability().
+/// Tries to prove the box, searches it for the worst loop, and brackets the scale at which
+/// stability is lost.
+/// @throws InvalidInput  for the reasons of validate() and prove_stability().
 [[nodiscard]] Robustness assess_robustness(const LoopFamily& family,
                                            const RobustnessOptions& options = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far several loops may move at once.
+/// Stability margins for simultaneous changes of several loops.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,28 +8,29 @@
 
 namespace quadtune {
 
-/// Bounds of the structured singular value of a complex matrix for as many independent complex
-/// numbers as it has rows.
+/// Bounds of the structured singular value μ of a complex (n × n) matrix for n independent complex
+/// scalar uncertainties.
 struct StructuredGain {
-  double lower = 0;  ///< ρ(U M) of a diagonal unitary U
-  double upper = 0;  ///< σ_max(D M D⁻¹) of a diagonal positive D, least found
+  double lower = 0;  ///< ρ(U M), maximized over diagonal unitary U
+  double upper = 0;  ///< σ_max(D M D⁻¹), minimized over diagonal positive D
 };
 
+/// Computes both bounds. They are equal up to rounding for n ≤ 3, and mostly for larger n.
 /// @param M  (n × n)
-/// Equal up to rounding for n ≤ 3, where the bounds meet, and mostly beyond.
 /// Source: Packard and Doyle 1993.
 [[nodiscard]] StructuredGain structured_gain(const Eigen::MatrixXcd& M);
 
-/// The largest disk that every channel's factor may be anywhere in, all at once and independently.
+/// The largest disk in which the factors of all channels may vary simultaneously and independently.
 struct SimultaneousDiskMargin {
-  /// Guaranteed: 1/upper bound of max μ(S + (skew - 1)/2). The gains and the phase are this disk's.
+  /// The guaranteed disk: alpha = 1/upper bound of max μ(S + (skew - 1)/2).
   DiskMargin guaranteed;
-  /// A disk of this size holds factors that do destabilize: 1/lower bound. 0 of an unstable loop.
+  /// 1/lower bound: a disk of this size contains destabilizing factors. 0 if the loop is unstable.
   double alpha_destabilizing = 0;
 };
 
-/// @param loop  of any number of channels; of one it gives the disk of loop_margins()
-/// @param skew  as in loop_margins()
+/// Computes the simultaneous disk margin of a loop.
+/// @param loop  any number of channels; for one channel the result is LoopMargins::disk
+/// @param skew  as for loop_margins()
 [[nodiscard]] SimultaneousDiskMargin simultaneous_disk_margin(const OpenLoop& loop,
                                                               double skew = 0);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a linear plant and a design's weights to the gains that fly.
+/// State feedback gains from a linear plant and the weights of a design.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,19 @@ namespace quadtune {
 
 /// Gains of u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) and their evidence.
 struct StateFeedback {
-  RiccatiResult riccati;  ///< of the problem with its integrals; X and K of all nx + ni states
+  RiccatiResult riccati;  ///< of the augmented problem; X and K for all nx + ni states
   Eigen::MatrixXd K;      ///< (nu × nx); NaN unless solved
   Eigen::MatrixXd K_int;  ///< (nu × ni); NaN unless solved
 
   [[nodiscard]] bool solved() const { return riccati.solved(); }
 };
 
-/// Solves the design's LQR problem on `plant`.
+/// Solves the LQR problem of a design on `plant`.
 ///
 /// @param plant   nx states named as in `design.states`, nu inputs
 /// @param design  weights, integrals, method and dt
-/// @throws InvalidInput  as lqr() and with_integrals(); a dt ≤ 0 for a sampled method.
+/// @throws InvalidInput  for the reasons of lqr() and with_integrals(), and if dt ≤ 0 for a sampled
+///                       method.
 [[nodiscard]] StateFeedback state_feedback(const ContinuousLti& plant, const LqrDesign& design);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Closed loops in time: the answer to a step.
+/// Step responses of closed loops.
 #pragma once
 
 #include <vector>
@@ -9,30 +9,32 @@
 
 namespace quadtune {
 
-/// What comes out after a step of size 1 at t = 0, from rest.
+/// The response to a unit step at t = 0, from rest.
 struct StepResponse {
-  std::vector<double> t;  ///< [s], not decreasing; a jump has two values at its time
-  std::vector<double> y;  ///< as many
+  std::vector<double> t;  ///< [s], not decreasing; a jump has two samples at its time
+  std::vector<double> y;  ///< one value per time
 };
 
-/// The output of one channel after a step of its set point, with all loops closed: T = L/(1 + L).
+/// Computes the output of one channel after a step of its set point, with all loops closed:
+/// T = L/(1 + L).
 ///
-/// Without delay each value is exact up to rounding. With a delay the signal that comes back is
-/// taken as straight between instants that are a whole part of the delay apart: the error falls
-/// with the square of their distance, at most 1/4000 of the duration, and jumps stay sharp.
+/// Without delay each value is exact up to rounding. With a delay, the delayed signal is
+/// interpolated linearly between time steps; the delay is an integer multiple of the step. The
+/// error decreases with the square of the step, which is at most 1/4000 of the duration, and jumps
+/// remain exact.
 ///
 /// @param channel   0 ≤ channel < loop.size()
-/// @param duration  [s]; 0 chooses one: of a stable loop until within 2 % for good and half as long
-///                  again, of an unstable one until it has left 8 or has swung ten times. A
-///                  delay takes at most 400000 steps, which may shorten it.
-/// @throws InvalidInput  for a channel that is not there, or a duration that is negative or not
-///                       finite
+/// @param duration  [s]; 0: automatic. For a stable loop it is 1.5 times the 2 % settling time; for
+///                  an unstable one the response ends when it exceeds 8 in magnitude or has
+///                  oscillated ten times. With a delay, the limit of 400000 steps may shorten the
+///                  duration.
+/// @throws InvalidInput  if the channel does not exist, or the duration is negative or not finite
 [[nodiscard]] StepResponse step_response(const OpenLoop& loop, Eigen::Index channel = 0,
                                          double duration = 0);
 
-/// The plant's output after a step of load at its input, under u = -C y: P/(1 + C P). The duration
-/// as above.
-/// @throws InvalidInput  where loop_of() gives more zeros than poles
+/// Computes the output of the plant after a unit load step at its input with u = -C y: P/(1 + C P).
+/// The duration is as for step_response().
+/// @throws InvalidInput  if loop_of() has more zeros than poles
 [[nodiscard]] StepResponse load_step_response(const ContinuousTransferFunction& plant,
                                               const PidGains& gains, double duration = 0);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A sampled loop around a plant some of whose numbers, and whose delay, are known up to intervals.
+/// A sampled loop around a plant whose delay and some of whose parameters are known only to lie in
+/// intervals.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,30 +12,30 @@
 
 namespace quadtune {
 
-/// A number of the plant: times A and B it adds to the plant.
+/// An uncertain parameter θ of the plant: it adds θ A and θ B to the matrices of the plant.
 struct PlantTerm {
   std::string name;   ///< e.g. "thrust over mass"
   Eigen::MatrixXd A;  ///< (nx × nx); empty means zero
   Eigen::MatrixXd B;  ///< (nx × nu); empty means zero
 };
 
-/// ẋ = (A + Σ θ_j A_j) x + (B + Σ θ_j B_j) u, with u from a law that looks at x every law.dt
-/// seconds and acts a delay later, until its next output does:
+/// ẋ = (A + Σ θ_j A_j) x + (B + Σ θ_j B_j) u. The law samples x every law.dt seconds; its output is
+/// applied after the delay and held until the next output is applied:
 ///   u[k] = C i[k] + D x[k],   i[k+1] = A i[k] + B x[k]   with the law's matrices.
-/// θ and the delay are constant. The same loop, and the same poles, whether the delay is in the
-/// computing, in the acting or in the measuring of all states alike.
+/// θ and the delay are constant. The poles are the same whether the delay is in the computation, in
+/// the actuation, or in the measurement of all states.
 ///
-/// The matrices are taken as they are: what is proved of the loop is proved of these doubles.
+/// The matrices are used exactly as given: a proof about the loop holds for these doubles.
 struct UncertainLoop {
-  ContinuousLti plant;           ///< A (nx × nx), B (nx × nu): what the numbers do not move
-  std::vector<PlantTerm> terms;  ///< one for each number
+  ContinuousLti plant;           ///< A (nx × nx), B (nx × nu): the certain part
+  std::vector<PlantTerm> terms;  ///< one for each parameter
   DiscreteLti law;  ///< A (ni × ni), B (ni × nx), C (nu × ni), D (nu × nx); ni may be 0; dt > 0
 };
 
-/// Intervals of the numbers and of the delay.
+/// Intervals of the parameters and of the delay.
 struct LoopBox {
-  Eigen::VectorXd low;    ///< of the numbers
-  Eigen::VectorXd high;   ///< likewise, ≥ low
+  Eigen::VectorXd low;    ///< lower bounds of the parameters
+  Eigen::VectorXd high;   ///< upper bounds, ≥ low
   double delay_low = 0;   ///< [s], ≥ 0
   double delay_high = 0;  ///< [s], ≥ delay_low
 };
@@ -42,20 +43,21 @@ struct LoopBox {
 /// Checks shapes and finiteness.
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.
 void validate(const UncertainLoop& loop, const std::string& where);
-/// Checks one interval for each number, in order, finite, and the delay's.
-/// @throws InvalidInput  naming the number, what came and what was expected.
+/// Checks that there is one finite interval for each parameter, and that the bounds of all
+/// intervals are in order.
+/// @throws InvalidInput  naming the parameter, its bounds and the expected value.
 void validate(const LoopBox& box, const UncertainLoop& loop, const std::string& where);
 
-/// One period of the closed loop: states x, i, then u[k-1], u[k-2], … as far as the delay reaches,
-/// none where it is 0.
+/// Computes the matrix of one period of the closed loop. Its states are x, i, and the past outputs
+/// u[k-1], u[k-2], … that the delay requires, none if it is 0.
 /// @param numbers  θ, one for each term
-/// @param delay    [s], 0 … kMostDelayPeriods periods
-/// @throws InvalidInput  for sizes, or a delay out of range
+/// @param delay    [s], 0 … kMaxDelayPeriods periods
+/// @throws InvalidInput  if a size is wrong, or the delay is out of range
 [[nodiscard]] Eigen::MatrixXd closed_loop_matrix(const UncertainLoop& loop,
                                                  const Eigen::VectorXd& numbers, double delay);
 
-/// Greatest modulus of the closed loop's poles; below 1 it is stable. Infinite where they could not
-/// be computed.
+/// Computes the maximum modulus of the closed loop's poles; the loop is stable if it is below 1.
+/// Infinite if the poles could not be computed.
 [[nodiscard]] double spectral_radius(const UncertainLoop& loop, const Eigen::VectorXd& numbers,
                                      double delay);
 

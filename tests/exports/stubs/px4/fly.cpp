@@ -52,7 +52,7 @@ static double thrust() {
 int main(int argc, char **argv) {
   (void)argc;
   std::FILE *file = std::fopen(argv[1], "r");
-  const double a2 = std::atof(argv[2]), greatest = std::atof(argv[3]);
+  const double a2 = std::atof(argv[2]), max = std::atof(argv[3]);
   static prog_state_t law;
   prog_start_t start{};
   prog_initialize(&law, &start);
@@ -72,7 +72,7 @@ int main(int argc, char **argv) {
     if (one.reference.phase == PROG_IDLE) continue;
     last = one;
     one.reference.track_position = true;
-    thrusts_of(&law, &one, a2, greatest, expected);
+    thrusts_of(&law, &one, a2, max, expected);
     tell(one);
     for (int i = 0; i < 3; ++i) {
       asked.position[i] = one.reference.position[i];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a filter's innovations are what its covariances say: size, whiteness, mean, shape.
+/// Tests whether the innovations of a filter agree with their covariances: size, whiteness, mean
+/// and shape.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,19 +12,21 @@
 
 namespace quadtune {
 
-/// Limits of a verdict. What is checked must be both significant, as a long log makes any small
-/// flaw, and large enough to matter; or else too uncertain to tell. A large flaw that is
-/// significant fails at any count; that there is none takes samples.
+/// Limits of the consistency checks. A check fails if its statistic deviates significantly and by
+/// enough to matter: in a long log any small deviation is significant. A large and significant
+/// deviation fails with any number of samples; a pass requires enough samples, otherwise the
+/// verdict is too_short.
 struct ConsistencyOptions {
-  double significance = 0.001;    ///< of each check: probability of a false alarm, 0 … 0.5
-  int lags = 20;                  ///< of the autocorrelation, ≥ 1
-  double most_correlation = 0.1;  ///< of innovations at any of these lags
-  double most_mean = 0.1;         ///< in standard deviations
-  double least_size = 0.8;        ///< of the mean of e²/S
-  double most_size = 1.25;
-  double most_kurtosis = 3;  ///< excess, where 0 is normal: 3 is that of rare large errors
-  /// Of each output. With fewer nothing passes, and a flaw has to be significant among all checks.
-  Eigen::Index least_samples = 100;
+  double significance = 0.001;   ///< probability of a false alarm of each check, 0 … 0.5
+  int lags = 20;                 ///< of the autocorrelation, ≥ 1
+  double max_correlation = 0.1;  ///< maximum autocorrelation of innovations at any of these lags
+  double max_mean = 0.1;         ///< maximum mean, in standard deviations
+  double min_size = 0.8;         ///< minimum of the mean of e²/S
+  double max_size = 1.25;
+  double max_kurtosis = 3;  ///< maximum excess kurtosis; 0 is normal, 3 that of rare large errors
+  /// Minimum number of samples of each output. With fewer samples nothing passes, and a deviation
+  /// must be significant among all checks.
+  Eigen::Index min_samples = 100;
 };
 
 /// @throws InvalidInput  for options out of range.
@@ -31,43 +34,46 @@ void validate(const ConsistencyOptions& options);
 
 enum class CheckVerdict { pass, fail, too_short };
 
-/// One check of one output, or of all.
+/// One check of one output, or of all outputs.
 struct ConsistencyCheck {
   std::string name;    ///< "size", "whiteness", "mean", "normality"
   std::string output;  ///< "sonar: height", or "all"
   double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();  ///< band of a consistent filter
+  double low = std::numeric_limits<double>::quiet_NaN();  ///< interval of a consistent filter
   double high = std::numeric_limits<double>::quiet_NaN();
-  double p = std::numeric_limits<double>::quiet_NaN();  ///< of a value as far off, if consistent
+  /// Probability of a value at least as far off, if consistent
+  double p = std::numeric_limits<double>::quiet_NaN();
   CheckVerdict verdict = CheckVerdict::pass;
-  std::string reason = {};  ///< one line; empty where it passes
+  std::string reason = {};  ///< one line; empty if the check passes
 };
 
-/// Statistics of one output's standardized innovations z = e/√S; of a sensor with Student's
-/// distribution, the normal deviates that are as rare.
+/// Statistics of the standardized innovations z = e/√S of one output. For a sensor with Student's
+/// distribution z is the normal deviate of the same probability.
 struct InnovationStatistics {
   std::string output;                                          ///< "sonar: height"
-  Eigen::Index samples = 0;                                    ///< compared
+  Eigen::Index samples = 0;                                    ///< number of innovations
   double mean = std::numeric_limits<double>::quiet_NaN();      ///< of z
-  double size = std::numeric_limits<double>::quiet_NaN();      ///< mean of z²: 1
-  double kurtosis = std::numeric_limits<double>::quiet_NaN();  ///< excess: 0
-  double skewness = std::numeric_limits<double>::quiet_NaN();  ///< 0
-  /// (lags) of z with itself so many samples of this output before.
+  double size = std::numeric_limits<double>::quiet_NaN();      ///< mean of z²; expected 1
+  double kurtosis = std::numeric_limits<double>::quiet_NaN();  ///< excess kurtosis; expected 0
+  double skewness = std::numeric_limits<double>::quiet_NaN();  ///< expected 0
+  /// (lags) autocorrelation of z at lags 1, 2, …, in samples of this output.
   Eigen::VectorXd autocorrelation;
-  double ljung_box = std::numeric_limits<double>::quiet_NaN();    ///< of these lags
-  double ljung_box_p = std::numeric_limits<double>::quiet_NaN();  ///< by χ² of as many degrees
+  /// Ljung-Box statistic over these lags
+  double ljung_box = std::numeric_limits<double>::quiet_NaN();
+  /// Its p-value by χ² with as many degrees of freedom as lags
+  double ljung_box_p = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Consistency {
   std::vector<InnovationStatistics> outputs;
   std::vector<ConsistencyCheck> checks;
   CheckVerdict verdict = CheckVerdict::too_short;
-  std::vector<std::string> reasons;  ///< of a verdict that is not pass
+  std::vector<std::string> reasons;  ///< why the verdict is not pass
 };
 
-/// @param runs   of all records, in the order of their times; records are not correlated with each
+/// @param runs   one per record, in time order; records are assumed to be uncorrelated with each
 ///               other
-/// @throws InvalidInput  for options out of range, or a run that is not computed.
+/// @throws InvalidInput  for options out of range, or a run that was not computed.
 /// Sources: Bar-Shalom, Li and Kirubarajan 2001, section 5.4; Ljung and Box 1978; Jarque and Bera
 /// 1980; for few innovations Anscombe and Glynn 1983.
 [[nodiscard]] Consistency check_consistency(const FilterModel& model,

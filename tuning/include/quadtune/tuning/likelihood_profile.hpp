@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the likelihood falls to both sides of one parameter, the others at their best.
+/// Profile of the likelihood over one parameter, maximized over all others.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,23 +9,23 @@
 namespace quadtune {
 
 struct LikelihoodProfileOptions {
-  int points = 31;           ///< of the profile, ≥ 3
-  double deviations = 4;     ///< that it reaches to both sides, in standard errors, > 0
-  int max_iterations = 100;  ///< of the search at each point, > 0
+  int points = 31;           ///< number of points of the profile, ≥ 3
+  double deviations = 4;     ///< half width of the profile in standard errors, > 0
+  int max_iterations = 100;  ///< maximum number of iterations of the search at each point, > 0
 };
 
 struct LikelihoodProfile {
-  Eigen::VectorXd theta;  ///< (points) of the parameter, increasing
-  /// (points) log-likelihood and log-priors less what they are at the fit; NaN where there is none.
+  Eigen::VectorXd theta;  ///< (points) values of the parameter, increasing
+  /// (points) log-likelihood plus log-priors, minus their value at the fit; NaN if not computed.
   Eigen::VectorXd value;
 };
 
-/// Of a parameter that is at zero the profile goes from well below its upper bound to beyond it; of
-/// one that the logs do not tell, three e-folds to both sides.
+/// Computes the profile of one parameter. For a parameter at zero it extends from well below its
+/// upper bound to above it; for one that the logs do not determine, by three e-folds to both sides.
 ///
 /// @param fit        of this likelihood
 /// @param parameter  its index; not fixed
-/// @throws InvalidInput  for options out of range, or a parameter that was not to be found.
+/// @throws InvalidInput  for options out of range, or a fixed parameter.
 [[nodiscard]] LikelihoodProfile likelihood_profile(const InnovationLikelihood& likelihood,
                                                    const NoiseFit& fit, int parameter,
                                                    const LikelihoodProfileOptions& options = {});

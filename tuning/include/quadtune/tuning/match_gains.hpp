@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The inverse of an LQR design: diagonal weights whose gain is a given one.
+/// The inverse LQR problem: diagonal weights whose LQR gain is a given one.
 /// Method: docs/theory.md, "Weights of a given gain".
 #pragma once
 
@@ -19,81 +19,85 @@ namespace quadtune {
 /// How the search for weights ended.
 enum class GainMatchStatus {
   not_run,
-  matched,          ///< the gain is that of the weights, up to the tolerance
-  not_matched,      ///< no diagonal weights were found that come so near; the nearest are told
-  not_stabilizing,  ///< the given gain does not stabilize the plant, so it is no LQR's
-  no_solution,      ///< no Riccati equation that was tried has a stabilizing solution
+  matched,  ///< the weights reproduce the gain within the tolerance
+  /// No diagonal weights within the tolerance were found; the closest are returned
+  not_matched,
+  not_stabilizing,  ///< the given gain does not stabilize the plant, so it is not an LQR gain
+  no_solution,      ///< none of the Riccati equations solved has a stabilizing solution
   interrupted,
 };
 
 /// "matched", "not matched", …
 [[nodiscard]] std::string to_string(GainMatchStatus status);
 
-/// What the gain tells of one weight.
+/// How well the gain determines one weight.
 enum class WeightVerdict {
-  seen,         ///< the gain tells it
-  hardly_seen,  ///< it may change by more than tenfold and the gain stays within the tolerance
-  combination,  ///< only together with others; GainMatch::unseen says how
+  seen,         ///< the gain determines it
+  hardly_seen,  ///< it may change by more than a factor of ten within the tolerance on the gain
+  combination,  ///< only a combination with others is determined; see GainMatch::unseen
   not_seen,     ///< the gain does not depend on it
-  at_zero,      ///< the gain wants none of it; `high` bounds it
-  fixed,        ///< 0 as it came
+  at_zero,      ///< the best value is 0; `high` is its upper bound
+  fixed,        ///< 0 in the start, and held there
 };
 
 /// "", "hardly seen", "in combination", "not seen", "at zero", "fixed"
 [[nodiscard]] std::string to_string(WeightVerdict verdict);
 
-/// One weight that was looked for.
+/// One weight of the search.
 struct MatchedWeight {
   std::string name;   ///< "Q(x)", "Q_integral(theta)", "R(w1)"
-  double before = 0;  ///< where the first search began
-  double value = 0;   ///< found
-  /// As far as the weight may go, the others following in what the gain sees of them, while the
-  /// scaled differences of the gain's entries together (their root of the sum of squares) stay
-  /// below the tolerance; by the derivative of the gain, so exact for narrow intervals only. 0 and
-  /// infinity where it is not seen.
+  double before = 0;  ///< start value of the first search
+  double value = 0;   ///< the result
+  /// Interval of the weight, within which the root sum of squares of the scaled gain differences
+  /// stays below the tolerance while the other weights compensate as far as they can. Computed from
+  /// the derivative of the gain, so accurate for narrow intervals only. 0 and infinity if the gain
+  /// does not determine the weight.
   double low = 0, high = std::numeric_limits<double>::infinity();
   WeightVerdict verdict = WeightVerdict::seen;
 };
 
-/// How hard the search tries.
+/// Options of the search.
 struct GainMatchOptions {
-  /// Greatest difference of an entry, over the largest entry of its row or of its column in the
-  /// given gain, whichever is smaller, with which the gain counts as matched. > 0
+  /// Largest difference of an entry with which the gain counts as matched, relative to the largest
+  /// entry of its row or of its column in the given gain, whichever is smaller. > 0
   double tolerance = 1e-3;
-  int starts = 8;          ///< searches at most; fewer where one leaves no difference. ≥ 1
+  int starts = 8;          ///< maximum number of searches; fewer if one leaves no difference. ≥ 1
   std::uint64_t seed = 1;  ///< of the random starts
-  /// Names of states, of integrals ("int_x") and of inputs whose weights are equal, a list each.
+  /// Lists of names of states, of integrals ("int_x") or of inputs whose weights are equal.
   std::vector<std::vector<std::string>> ties;
-  std::function<bool()> interrupted;  ///< asked between evaluations; may be empty
+  std::function<bool()> interrupted;  ///< called between evaluations; true interrupts; may be empty
 };
 
 /// Weights with their evidence.
 struct GainMatch {
   GainMatchStatus status = GainMatchStatus::not_run;
-  std::string culprit;  ///< why there are no weights; empty where there are some
+  std::string culprit;  ///< why there are no weights; empty if there are
 
-  LqrDesign design;                    ///< with the weights that were found
+  LqrDesign design;                    ///< with the resulting weights
   StateFeedback feedback;              ///< of that design
   std::vector<MatchedWeight> weights;  ///< of states, integrals, inputs
-  std::vector<std::string> unseen;     ///< directions of the weights that the gain does not see
+  /// Directions of the weights that the gain does not determine
+  std::vector<std::string> unseen;
 
-  double before = std::numeric_limits<double>::quiet_NaN();  ///< greatest difference at the start
-  double after = std::numeric_limits<double>::quiet_NaN();   ///< and with the weights found
-  std::string worst;    ///< the entry where that is, e.g. "K_int(w1, theta)"
-  double given = 0;     ///< that entry as given
-  double found = 0;     ///< and by the weights
-  int evaluations = 0;  ///< Riccati equations solved by the searches
-  int starts = 0;       ///< searches made
-  int agreeing = 0;     ///< of them, those that ended where the best did
+  double before = std::numeric_limits<double>::quiet_NaN();  ///< largest difference at the start
+  /// Largest difference with the resulting weights
+  double after = std::numeric_limits<double>::quiet_NaN();
+  std::string worst;    ///< the entry with that difference, e.g. "K_int(w1, theta)"
+  double given = 0;     ///< value of that entry in the given gain
+  double found = 0;     ///< value of that entry with the resulting weights
+  int evaluations = 0;  ///< number of Riccati equations solved by the searches
+  int starts = 0;       ///< number of searches
+  int agreeing = 0;     ///< number of searches that ended at the best result
 
-  /// Greatest singular value over frequencies of R^½ (I + L)⁻¹ S^-½, L the loop of the *given* gain
-  /// at the plant's inputs, S = R (discrete: R + BᵀXB) with the weights found. Of an LQR gain it is
-  /// at most 1, whatever its Q ≥ 0, diagonal or not: Kalman's inequality.
+  /// Largest singular value over frequencies of R^½ (I + L)⁻¹ S^-½, where L is the loop of the
+  /// *given* gain at the inputs of the plant and S = R (discrete: R + BᵀXB) with the resulting
+  /// weights. For an LQR gain with any Q ≥ 0, diagonal or not, it is at most 1 (Kalman's
+  /// inequality).
   double weighted_sensitivity = std::numeric_limits<double>::quiet_NaN();
   double weighted_sensitivity_at = 0;  ///< [rad/s]
-  /// What the given gain costs more than the found one under the weights found, from a deviation of
-  /// one state alone, relative, the worst; and the name of that state. NaN where it is not known:
-  /// then `excess_culprit` says why, and the state is empty.
+  /// Largest relative excess cost of the given gain over the resulting one, under the resulting
+  /// weights and for an initial deviation of one state alone, and the name of that state. NaN if it
+  /// is not known: then `excess_culprit` states why, and the state is empty.
   double excess_cost = std::numeric_limits<double>::quiet_NaN();
   std::string excess_state;
   std::string excess_culprit;
@@ -103,21 +107,21 @@ struct GainMatch {
   }
 };
 
-/// Finds diagonal weights whose LQR gain is nearest to a given one, entry by entry relative to the
-/// given gain's rows and columns, by Ceres' Levenberg–Marquardt on the logarithms of the weights
-/// with the exact Jacobian of DiagonalLqr. A gain tells weights up to a common factor, which is
-/// chosen so that R has the geometric mean that it came with, and nothing of weights that are not
-/// diagonal: those are not looked for.
+/// Computes the diagonal weights whose LQR gain is closest to a given one, entry by entry relative
+/// to the rows and columns of the given gain, by the Levenberg–Marquardt method of Ceres on the
+/// logarithms of the weights with the exact Jacobian of DiagonalLqr. A gain determines weights only
+/// up to a common factor, which is chosen so that R keeps the geometric mean of its start. Weights
+/// that are not diagonal are not searched.
 ///
 /// @param plant   nx states named as in `start.states`, nu inputs
-/// @param start   the problem: integrals, method, dt; diagonal weights where the first search
-///                begins. A weight of 0 stays 0; those of R are > 0
+/// @param start   the problem: integrals, method, dt; diagonal weights at which the first search
+///                starts. A weight of 0 stays 0; those of R are > 0
 /// @param K       (nu × nx) of u = u0 + K (x_sp - x)
 /// @param K_int   (nu × ni)
-/// @throws InvalidInput  for shapes, non-finite entries, a gain of zeros, weights that are not
-///                       diagonal or out of range, ties of unknown or twice tied names, options out
+/// @throws InvalidInput  for wrong shapes, non-finite entries, a zero gain, weights that are not
+///                       diagonal or out of range, ties with unknown or repeated names, options out
 ///                       of range.
-/// Source: Kalman 1964 (when a gain is optimal); docs/theory.md (how the weights are found).
+/// Source: Kalman 1964 (when a gain is optimal); docs/theory.md (how the weights are computed).
 [[nodiscard]] GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
                                     const Eigen::Ref<const Eigen::MatrixXd>& K,
                                     const Eigen::Ref<const Eigen::MatrixXd>& K_int,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The search for gains over missions: global, then local, without derivatives, limits honoured.
+/// Derivative-free search for gains over missions: first global, then local, subject to limits.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,81 +12,89 @@
 
 namespace quadtune {
 
-/// A number that a design must keep before it flies, such as a margin.
+/// A number of a design that is checked against a bound before any flight, such as a margin.
 struct DesignLimit {
   std::string name;  ///< e.g. "Ms of tau_x"
   double value = 0;
   double bound = 0;
-  bool at_least = false;  ///< the bound is the least value, else the greatest
-  double least = 0;       ///< that any design has: 1 of an Ms
+  bool at_least = false;  ///< the bound is a minimum; otherwise it is a maximum
+  double min = 0;         ///< minimum over all designs: 1 for an Ms
 
-  /// As excess_of() its share of the bound's distance from `least`; an infinite margin keeps any.
+  /// excess_of() the violation relative to the distance of the bound from `least`; an infinite
+  /// margin satisfies any bound.
   [[nodiscard]] double excess() const;
 };
 
-/// One point of the search: a controller with what is known of it before it flies.
+/// One point of the search: a controller with the numbers that are known without a flight.
 struct DesignPoint {
-  std::optional<Controller> controller;  ///< none where the design has no solution or is unstable
-  std::vector<DesignLimit> limits;       ///< as many for every point that has a controller
+  std::optional<Controller> controller;  ///< empty if the design has no solution or is unstable
+  std::vector<DesignLimit> limits;       ///< the same number for every point that has a controller
 };
 
-/// Controllers as a function of numbers without a unit: logarithms of factors on gains or weights.
+/// Controllers as a function of dimensionless numbers: logarithms of factors on gains or weights.
 struct DesignSpace {
   std::vector<std::string> names;  ///< n, e.g. "Kp of roll, pitch"
   Eigen::VectorXd start;           ///< (n) the synthesized design
-  double reach = 1.5;              ///< how far from it each number may go, > 0
+  double reach = 1.5;              ///< largest change of each number from the start, > 0
   std::function<DesignPoint(const Eigen::VectorXd&)> point;
 };
 
 struct MissionSearchOptions {
-  double seconds = 60;       ///< of the search, > 0; kept to an evaluation's time
-  int evaluations = 100000;  ///< at most
-  /// Fresh ones, on which start and best are compared; ≥ 2, of a quantile ≥ its least_draws().
+  double seconds = 60;       ///< time limit of the search, > 0; exceeded by at most one evaluation
+  int evaluations = 100000;  ///< maximum number of evaluations
+  /// Number of fresh draws on which the start and the best point are compared; ≥ 2, and ≥
+  /// min_draws() of a quantile.
   std::uint32_t proof_draws = 24;
-  /// Called after each point: the best cost, points tried, seconds left at most.
+  /// Called after each point with the best cost, the number of points evaluated, and an upper bound
+  /// of the remaining seconds.
   std::function<void(double best, int evaluations, double left)> progress;
-  /// Asked often; true ends the search with the best found, which is proved on 100 draws at most.
-  /// In the proof it ends that: then nothing is proved, and the start stays.
+  /// Called often. If it returns true, the search ends with the best point so far, which is then
+  /// proved on at most 100 draws. If it returns true during the proof, the proof ends without a
+  /// result and the start is kept.
   std::function<bool()> stop;
 };
 
-/// One point of the search, in the order in which they were tried.
+/// One point of the search, in the order of evaluation.
 struct SearchStep {
-  double cost = 0;       ///< on the draws of the search; NaN without a controller
-  bool allowed = false;  ///< it passes no limit, or none farther than the start
-  double best = 0;       ///< cost of the best point so far
+  double cost = 0;       ///< on the draws of the search; NaN if there is no controller
+  bool allowed = false;  ///< it satisfies all limits, or exceeds none by more than the start does
+  double best = 0;       ///< minimum cost so far
 };
 
 /// How a search ended.
 enum class SearchEnd { budget, converged, interrupted };
 [[nodiscard]] std::string to_string(SearchEnd end);
 
-/// A binding limit is loosened by this share of its size to see what that buys.
+/// A binding limit is loosened by this share of its size to compute the cost reduction that this
+/// allows.
 inline constexpr double kLoosened = 0.1;
 
-/// Never worse than the start. The best point is accepted where it costs less than the start by
-/// 0.1 % beyond the interval of the fresh draws: on the mean, or at the quantile where that is the
-/// measure; where that is the worst, on the mean, and its worst is no greater, since no draws bound
-/// a maximum. Or where it keeps all limits on them and the start does not. Not where it passes a
-/// limit there that the start keeps, or farther than the start, nor where more flights end early.
+/// Result of the search, never worse than the start. The best point is accepted if its cost on the
+/// fresh draws is lower than that of the start by 0.1 % beyond the confidence interval. The cost
+/// compared is the mean, or the quantile if that is the measure. If the measure is the worst case,
+/// the mean is compared and the worst case must not be larger, since no number of draws bounds a
+/// maximum. The best point is also accepted if it satisfies all limits on the fresh draws and the
+/// start does not. It is rejected if on the fresh draws it exceeds a limit that the start
+/// satisfies, or exceeds one by more than the start does, or if more flights end early.
 struct MissionSearchResult {
   bool accepted = false;
-  bool repaired = false;       ///< accepted, and keeps all limits where the start does not
-  std::string reason;          ///< why, in words
-  Eigen::VectorXd best;        ///< (n) what counts: the start where nothing was accepted
+  bool repaired = false;       ///< accepted, and satisfies all limits although the start does not
+  std::string reason;          ///< why it was accepted or rejected
+  Eigen::VectorXd best;        ///< (n) the result: the start if nothing was accepted
   Eigen::VectorXd candidate;   ///< (n) the best point of the search, accepted or not
-  TrialOutcome before, after;  ///< of start and candidate on the draws of the search
+  TrialOutcome before, after;  ///< of the start and the candidate, on the draws of the search
   TrialOutcome proof_before, proof_after;  ///< on fresh draws
-  /// Of the costs, after - before, on fresh draws: of their quantile where that is the measure,
-  /// else of their mean.
+  /// Difference of the costs, after - before, on fresh draws: of their quantile if that is the
+  /// measure, otherwise of their mean.
   Estimated difference;
-  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the same [%]
-  std::vector<std::string> binding;  ///< limits that the candidate is as near to as it may be
-  /// By how much the cost would fall [%] if one of `binding` were looser by kLoosened: the points
-  /// that the slopes at the candidate lead to, within 0.1 of it in each variable and all other
-  /// limits kept, are flown on the draws of the search. Empty where the search was interrupted.
+  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a relative reduction [%]
+  std::vector<std::string> binding;              ///< limits that are active at the candidate
+  /// Reduction of the cost [%] if one limit of `binding` were looser by kLoosened, one entry for
+  /// each. It is computed by flying, on the draws of the search, the points to which the slopes at
+  /// the candidate lead, within 0.1 of it in each variable and with all other limits satisfied.
+  /// Empty if the search was interrupted.
   std::vector<double> buys;
-  std::vector<std::string> broken;  ///< limits that `best` passes, on fresh draws
+  std::vector<std::string> broken;  ///< limits that `best` exceeds on fresh draws
   std::vector<SearchStep> steps;
   int evaluations = 0;
   double seconds = 0;
@@ -94,7 +102,7 @@ struct MissionSearchResult {
 };
 
 /// @throws InvalidInput  for a start without a controller, or options out of range
-/// @throws Interrupted   where `stop` came before the start was flown
+/// @throws Interrupted   if `stop` returned true before the start was flown
 [[nodiscard]] MissionSearchResult search_missions(const DesignSpace& space,
                                                   const MissionTrial& trial,
                                                   const MissionSearchOptions& options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a controller is worth over missions: a cost, and limits that it keeps or not, over draws of
-/// what is uncertain that are the same for every controller.
+/// Evaluation of a controller over missions: a cost and limits, over draws of the uncertain
+/// parameters that are the same for every controller.
 #pragma once
 
 #include <cstdint>
@@ -16,99 +16,105 @@
 
 namespace quadtune {
 
-/// One figure of the cost.
+/// One metric of the cost.
 struct CostTerm {
   Metric metric = Metric::tracking_rms;
   double weight = 1;  ///< ≥ 0
 };
 
-/// A mission that is flown for its cost.
+/// A mission that is flown to compute the cost.
 struct TrialMission {
   std::string name;
-  FlightSetup setup;          ///< its controller is replaced by the one that is tried
-  std::vector<Limit> limits;  ///< to be kept; the mission's own, or stricter ones
+  FlightSetup setup;          ///< its controller is replaced by the one under test
+  std::vector<Limit> limits;  ///< limits to satisfy: those of the mission, or stricter ones
 };
 
-/// How many draws make one number.
+/// How the values of many draws are combined into one number.
 enum class RobustMeasure {
   mean,
-  quantile,  ///< TrialRequest::share of the draws cost no more
+  quantile,  ///< TrialRequest::share of the draws have at most this cost
   worst,
 };
-/// "mean", "quantile", "worst", and back.
+/// Converts to "mean", "quantile", "worst", and back.
 [[nodiscard]] std::string to_string(RobustMeasure measure);
 [[nodiscard]] RobustMeasure robust_measure(const std::string& name, const std::string& where);
 
-/// Of a quantile farther out no number of draws that anybody flies tells anything.
-inline constexpr double kLeastTail = 1e-4;
+/// Minimum tail probability of a quantile. Quantiles farther out cannot be estimated with a
+/// practical number of draws.
+inline constexpr double kMinTail = 1e-4;
 
-/// What is asked of a controller.
+/// Defines the evaluation of a controller.
 struct TrialRequest {
   std::vector<TrialMission> missions;  ///< at least one
-  std::vector<CostTerm> cost;          ///< at least one of weight > 0
+  std::vector<CostTerm> cost;          ///< at least one with weight > 0
   RobustMeasure measure = RobustMeasure::mean;
-  double share = 0.9;       ///< of RobustMeasure::quantile, kLeastTail … 1 - kLeastTail
-  Uncertainty uncertainty;  ///< none: only noise and wind differ from draw to draw
-  std::uint32_t draws = 1;  ///< flights of each mission for one evaluation, ≥ 1
+  double share = 0.9;       ///< for RobustMeasure::quantile, kMinTail … 1 - kMinTail
+  Uncertainty uncertainty;  ///< empty: only noise and wind differ from draw to draw
+  std::uint32_t draws = 1;  ///< number of flights of each mission per evaluation, ≥ 1
   std::uint64_t seed = 1;
 };
 
-/// Checks all of it but the controllers.
-/// @throws InvalidInput  naming what is wrong
+/// Validates everything except the controllers.
+/// @throws InvalidInput  naming the invalid entry
 void validate(const TrialRequest& request, const std::string& where);
 
-/// One limit over the draws, by the measure.
+/// A limit and the value of its metric over the draws, combined by the measure.
 struct TrialLimit {
   std::string mission;
   Metric metric = Metric::duration;
-  double value = 0;  ///< infinite where a flight ended early or never came there
-  double most = 0;
+  double value = 0;  ///< infinite if a flight ended early or never reached the event
+  double max = 0;
 
-  /// As excess_of() its share of the limit, or itself where that is 0.
+  /// excess_of() the violation relative to the limit, or the value itself if the limit is 0.
   [[nodiscard]] double excess() const;
 };
 
-/// How far a limit is passed, so that the farther is always the greater: `share` from -1 to 1, 1
-/// for what is passed by as much again; beyond that 2 - 1/share, 2 for what is not finite.
+/// Monotone measure of limit violation: `share`, raised to -1 if lower, for values up to 1, where 1
+/// means that the limit is exceeded by 100 %; 2 - 1/share above that, and 2 for values that are not
+/// finite.
 [[nodiscard]] double excess_of(double share);
 
-/// An excess up to which a limit is kept: what rounding, and a design to the limit itself, leave.
+/// Largest excess with which a limit counts as satisfied; it allows for rounding, and for a design
+/// exactly at the limit.
 inline constexpr double kLimitTolerance = 1e-5;
 
-/// What became of one controller.
+/// Outcome of the flights of one controller.
 struct TrialOutcome {
-  std::vector<double> costs;        ///< of each draw: 1 is what the reference costs on the mean
-  double cost = 0;                  ///< by the measure
-  std::vector<TrialLimit> limits;   ///< mission by mission
-  std::vector<MetricValues> means;  ///< of each mission, over the draws; of what all draws have
-  std::uint32_t failed = 0;         ///< flights that ended early
+  std::vector<double> costs;       ///< one per draw, relative to the mean cost of the reference
+  double cost = 0;                 ///< combined by the measure
+  std::vector<TrialLimit> limits;  ///< mission by mission
+  /// One per mission, over the draws; only metrics that all draws have
+  std::vector<MetricValues> means;
+  std::uint32_t failed = 0;  ///< number of flights that ended early
   std::uint32_t flights = 0;
 
-  [[nodiscard]] bool keeps_limits() const;
+  [[nodiscard]] bool satisfies_limits() const;
 };
 
-/// Flies controllers for a request. A flight that ends early costs kFailure and more, the earlier
-/// the more; so does a figure that was never reached, or that the reference has and a flight lacks.
+/// Flies controllers as a request defines. A flight that ends early costs at least kFailure, and
+/// more the earlier it ends. The same applies to an event that was never reached, or to a metric
+/// that the reference has and the flight lacks.
 class MissionTrial {
  public:
-  using Stop = std::function<bool()>;  ///< asked now and then; true ends it with Interrupted
+  using Stop = std::function<bool()>;  ///< called regularly; true throws Interrupted
   static constexpr double kFailure = 100;
 
-  /// @param reference  each figure of the cost is measured by what it is with this controller, on
-  ///                   the mean of the first draws that fly to the end; by itself where none does.
-  ///                   A figure that these flights do not have does not count in their mission
-  /// @throws InvalidInput  as validate(); for a mission that measures nothing of the cost
+  /// @param reference  the unit of each metric of the cost is its mean with this controller, over
+  ///                   the first draws whose flights are complete; if there are none, the metric is
+  ///                   not scaled. A metric that these flights do not have is ignored in their
+  ///                   mission
+  /// @throws InvalidInput  as validate(); for a mission that measures no metric of the cost
   /// @throws Interrupted
   MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads = 0,
                const Stop& interrupted = {});
 
-  /// Draws `first` to `first + count` - 1; the request's first draws unless said.
+  /// Flies the draws `first` to `first + count` - 1; by default the first draws of the request.
   /// @throws Interrupted
   [[nodiscard]] TrialOutcome fly(const Controller& controller, const Stop& interrupted = {}) const;
   [[nodiscard]] TrialOutcome fly(const Controller& controller, std::uint32_t first,
                                  std::uint32_t count, const Stop& interrupted = {}) const;
 
-  /// One flight of these: a mission by its place, a draw by its number.
+  /// The setup of one of these flights, by the index of the mission and the number of the draw.
   [[nodiscard]] FlightSetup setup(const Controller& controller, std::size_t mission,
                                   std::uint32_t draw) const;
 
@@ -123,30 +129,30 @@ class MissionTrial {
 
   TrialRequest request_;
   std::size_t threads_;
-  /// What a term is measured by in a mission.
+  /// The unit of a cost term in a mission.
   struct Scale {
     double unit = 1;
-    bool counts = true;  ///< the reference's flights have the figure
-    bool known = true;   ///< some flew to the end, and so can tell
+    bool counts = true;  ///< the flights of the reference have the metric
+    bool known = true;   ///< at least one flight was complete, so that the metric is known
   };
   std::vector<std::vector<Scale>> scales_;  ///< of each mission's terms
 };
 
-/// Mean of the differences second - first, draw by draw, with its interval of 95 %.
-/// @param first, second  the same draws, at least 2
+/// Mean of the paired differences second - first, with its 95 % confidence interval.
+/// @param first, second  values of the same draws, at least 2
 [[nodiscard]] Estimated paired_difference(const std::vector<double>& first,
                                           const std::vector<double>& second);
 
-/// How many draws tell something of a quantile: two on either side of it, and two in all.
+/// Minimum number of draws to estimate a quantile: two on either side of it, and two in total.
 /// @param share  as TrialRequest::share
-[[nodiscard]] std::uint32_t least_draws(double share);
-/// How many tell something of what is asked for; of a mean or the worst two.
-[[nodiscard]] std::uint32_t least_draws(const TrialRequest& request);
+[[nodiscard]] std::uint32_t min_draws(double share);
+/// Minimum number of draws for the measure of a request; two for the mean or the worst case.
+[[nodiscard]] std::uint32_t min_draws(const TrialRequest& request);
 
-/// Quantile of second less that of first, with the interval of 95 % that the paired bootstrap
-/// gives (Efron and Tibshirani 1993, chapter 13): 4,000 samples as large as that of the draws,
-/// drawn from them with return, each draw with both its values. The same at each call.
-/// @param first, second  the same draws, at least least_draws(share)
+/// Quantile of second minus that of first, with the 95 % interval of the paired bootstrap (Efron
+/// and Tibshirani 1993, chapter 13): 4,000 resamples, each as large as the set of draws and drawn
+/// from it with replacement, each draw with both its values. Deterministic.
+/// @param first, second  values of the same draws, at least min_draws(share)
 [[nodiscard]] Estimated paired_quantile_difference(const std::vector<double>& first,
                                                    const std::vector<double>& second, double share);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether the likeliest covariances and those of the autocovariances are the same: both are right
-/// where the model is, so that what parts them is not chance but the model.
+/// Tests whether the covariances of maximum likelihood and of autocovariance least squares agree.
+/// Both estimates are consistent if the model is right, so a significant difference indicates a
+/// model error.
 #pragma once
 
 #include <cstddef>
@@ -19,42 +20,42 @@ enum class NoiseMethod { likelihood, autocovariances };
 [[nodiscard]] std::string to_string(NoiseMethod method);  ///< "ml", "als"
 
 struct AgreementOptions {
-  double significance = 0.001;  ///< of all parameters together: probability of a false alarm
-  double most_factor = 1.5;     ///< between two variances that are the same for what they are used
+  double significance = 0.001;  ///< probability of a false alarm, for all parameters together
+  double max_factor = 1.5;      ///< maximum ratio of two variances that count as equal in practice
   std::size_t threads = 0;      ///< as NoiseFitOptions::threads
-  /// Asked during the other fit; ends it where true.
+  /// Called during the other fit; true interrupts it.
   std::function<bool()> interrupted = {};
 };
 
 /// A parameter by both methods.
 struct ParameterAgreement {
   FittedParameter other;  ///< by the other method
-  /// The larger variance over the smaller, ≥ 1; where one is zero, over that one's upper bound. NaN
-  /// where one of them is not found, or no variance.
+  /// The larger variance over the smaller, ≥ 1; if one is zero, the other over its upper bound. NaN
+  /// if one of them is not estimated, or if the parameter is not a variance.
   double factor = std::numeric_limits<double>::quiet_NaN();
-  /// Distance of the logarithms in standard deviations √(σ₁² + σ₂²): more than their difference
-  /// has, as both are of the same measurements and hang together. Where one variance is zero, of
-  /// the other from that one's upper bound.
+  /// Distance of the logarithms in standard deviations √(σ₁² + σ₂²). This overestimates the
+  /// standard deviation of their difference, as both use the same measurements and are correlated.
+  /// If one variance is zero, the distance of the other from its upper bound.
   double deviations = std::numeric_limits<double>::quiet_NaN();
-  bool disagrees = false;  ///< both large and significant
+  bool disagrees = false;  ///< the difference is both large and significant
 };
 
 struct NoiseAgreement {
-  NoiseMethod other = NoiseMethod::autocovariances;  ///< the method that the fit was not made by
-  /// Why there is nothing to compare: the other method has no answer here; "" where it has.
+  NoiseMethod other = NoiseMethod::autocovariances;  ///< the method that the fit did not use
+  /// Why there is no comparison: the other method has no result; empty if it has.
   std::string not_compared;
-  Eigen::VectorXd theta;                       ///< (p) of the other method
-  std::vector<ParameterAgreement> parameters;  ///< in the order of the model's
-  /// What is said of each parameter that disagrees, a sentence each.
+  Eigen::VectorXd theta;                       ///< (p) by the other method
+  std::vector<ParameterAgreement> parameters;  ///< in the order of the model
+  /// One sentence for each parameter that disagrees.
   std::vector<std::string> disagreements;
 };
 
-/// Fits by the other method and compares. Each interval holds if the model is right, and then both
-/// estimates meet (Hausman 1978); where they do not, the true uncertainty is at least their
-/// distance.
+/// Fits by the other method and compares the results. The intervals are valid if the model is
+/// right, and then the two estimates agree (Hausman 1978); if they do not, the true uncertainty is
+/// at least their distance.
 /// @param fit     converged
-/// @param method  that made it
-/// @param likelihood  of the model and the records that it is of
+/// @param method  the method of `fit`
+/// @param likelihood  of the model and records of `fit`
 [[nodiscard]] NoiseAgreement compare_methods(const NoiseFit& fit, NoiseMethod method,
                                              const InnovationLikelihood& likelihood,
                                              const AgreementOptions& options = {});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The covariances that make logs most likely, how well the logs know them, and which they do not.
+/// Maximum-likelihood noise covariances of logs, with confidence intervals and the parameters that
+/// the logs do not determine.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,85 +16,89 @@
 namespace quadtune {
 
 struct NoiseFitOptions {
-  /// The model's own and others drawn about it, ≥ 1; where more than one, also what
-  /// fit_autocovariances() finds, where it does.
+  /// Number of starts, ≥ 1: that of the model, and others drawn around it. If there is more than
+  /// one, the result of fit_autocovariances() is also a start, if it has one.
   int starts = 3;
-  std::uint64_t seed = 1;    ///< of the draws
-  double spread = 2;         ///< standard deviation of a drawn start's logarithms, > 0
-  int max_iterations = 200;  ///< of each search, > 0
+  std::uint64_t seed = 1;    ///< of the drawn starts
+  double spread = 2;         ///< standard deviation of the logarithms of a drawn start, > 0
+  int max_iterations = 200;  ///< maximum number of iterations of each search, > 0
   double confidence = 0.95;  ///< of the intervals, 0 … 1
-  /// Whether variances at zero get their upper bound and intervals their profile, each of which
-  /// costs many searches; else bounds are NaN, and intervals those of the curvature.
+  /// Whether to compute upper bounds of variances at zero and, with `profile`, intervals from the
+  /// profile, each of which requires many searches; if not, bounds are NaN and intervals are those
+  /// of the curvature.
   bool bounds = true;
-  bool profile = false;  ///< intervals by the profile of the likelihood, not by its curvature
-  /// A fit that others follow: to a hundredth of a standard error, its uncertainty by Fisher's
-  /// information; no bounds.
+  bool profile = false;  ///< intervals from the profile of the likelihood instead of its curvature
+  /// An intermediate fit: to a hundredth of a standard error, with the uncertainty from the Fisher
+  /// information and without bounds.
   bool rough = false;
-  bool strides = true;      ///< whether flat directions are searched far and wide
-  std::size_t threads = 1;  ///< 0: one a processor; the result does not depend on it
-  /// Asked often, by any thread: true ends the fit with the best so far. May be empty.
+  bool strides = true;      ///< whether to take long steps along flat directions
+  std::size_t threads = 1;  ///< 0: one per processor; the result does not depend on it
+  /// Called often, by any thread; true ends the fit with the best point so far. May be empty.
   std::function<bool()> interrupted = {};
-  /// Called after each evaluation, by one thread at a time: how many there were, and the greatest
-  /// log-likelihood with priors so far. May be empty.
+  /// Called after each evaluation, by one thread at a time, with the number of evaluations and the
+  /// maximum of log-likelihood plus log-priors so far. May be empty.
   std::function<void(int evaluations, double best)> progress = {};
 };
 
 enum class ParameterVerdict {
-  fixed,        ///< it was not to be found
-  seen,         ///< found, with an interval
-  at_zero,      ///< the logs prefer none of it: an upper bound only
-  not_seen,     ///< no measurement depends on it: as it was
-  combination,  ///< only together with others, see NoiseFit::unseen
-  not_known,    ///< the search was ended before that was looked at
+  fixed,        ///< it was fixed
+  seen,         ///< estimated, with an interval
+  at_zero,      ///< the estimate is zero: only an upper bound is known
+  not_seen,     ///< no measurement depends on it: the start value is kept
+  combination,  ///< only a combination with others is determined; see NoiseFit::unseen
+  not_known,    ///< the search ended before this was computed
 };
 
 [[nodiscard]] std::string to_string(ParameterVerdict verdict);
 
-/// One entry of θ, found.
+/// Estimate of one entry of θ.
 struct FittedParameter {
   std::string name;
   std::string unit;
-  double value = std::numeric_limits<double>::quiet_NaN();  ///< the variance, or the entry
-  /// Of the logarithm of a variance, or of the entry; NaN unless seen.
+  /// The variance, or the entry of a block
+  double value = std::numeric_limits<double>::quiet_NaN();
+  /// Standard error of the logarithm of a variance, or of the entry; NaN unless seen.
   double standard_error = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();   ///< of the interval; 0 at zero
-  double high = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing bounds it
+  /// Lower end of the interval; 0 if at zero
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();  ///< upper end; NaN if unbounded
   ParameterVerdict verdict = ParameterVerdict::seen;
 };
 
 enum class NoiseFitStatus {
   not_run,
   converged,
-  not_computed,   ///< the likelihood has no value at any start: see culprit
-  not_converged,  ///< the best search ended at its limit of iterations
-  interrupted,    ///< theta is the best so far, without any uncertainty
-  out_of_time,    ///< likewise, as NoiseTuningOptions::seconds wants it
+  not_computed,   ///< the likelihood cannot be computed at any start; see culprit
+  not_converged,  ///< the best search reached the maximum number of iterations
+  interrupted,    ///< theta is the best point so far, without uncertainty
+  out_of_time,    ///< likewise, after NoiseTuningOptions::seconds
 };
 
 [[nodiscard]] std::string to_string(NoiseFitStatus status);
 
 struct NoiseFit {
   NoiseFitStatus status = NoiseFitStatus::not_run;
-  Eigen::VectorXd theta;  ///< (p) the best found
-  Likelihood before;      ///< at the model's start
+  Eigen::VectorXd theta;  ///< (p) the best point
+  Likelihood before;      ///< at the start of the model
   Likelihood after;       ///< at theta, with gradient
-  /// (p × p) -∂²/∂θ² of the log-likelihood and the priors at theta; zero rows for what is not free.
+  /// (p × p) -∂²/∂θ² of the log-likelihood and the log-priors at theta; zero rows for parameters
+  /// that are not free.
   Eigen::MatrixXd information;
   std::vector<FittedParameter> parameters;
-  /// Directions of θ that the logs do not see, in words: "only the ratio of Q.vz to R.sonar is
-  /// seen".
+  /// Descriptions of the directions of θ that the logs do not determine: "only the ratio of Q.vz to
+  /// R.sonar is determined".
   std::vector<std::string> unseen;
-  int starts = 0;       ///< searches made
-  int agreeing = 0;     ///< of them, those that ended within 1e-4 of the best log-likelihood
-  int evaluations = 0;  ///< of the likelihood with its gradient
+  int starts = 0;       ///< number of searches
+  int agreeing = 0;     ///< number of searches that ended within 1e-4 of the maximum log-likelihood
+  int evaluations = 0;  ///< number of evaluations of the likelihood with its gradient
   std::string culprit;
 
   [[nodiscard]] bool converged() const { return status == NoiseFitStatus::converged; }
 };
 
-/// Maximum of the likelihood, or of the posterior where parameters have priors, by a quasi-Newton
-/// search of Ceres in coordinates in which Fisher's information is the identity, and Newton steps.
-/// Theory: "Covariances from logs".
+/// Maximizes the likelihood, or the posterior if parameters have priors, by a quasi-Newton search
+/// of Ceres in coordinates in which the Fisher information is the identity, followed by Newton
+/// steps. Theory: "Covariances from logs".
 ///
 /// @throws InvalidInput  for options out of range, or fewer measurements than parameters.
 [[nodiscard]] NoiseFit fit_noise(const InnovationLikelihood& likelihood,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A model and its logs in, covariances with a verdict out: the fit, its innovations, and a stretch
-/// of each log that the fit has not seen.
+/// Tuning of noise covariances from a model and its logs, with a verdict that is based on the fit,
+/// on its innovations, and on a part of each log that is held out of the fit.
 #pragma once
 
 #include <functional>
@@ -18,75 +18,80 @@
 
 namespace quadtune {
 
-/// What a sensor's gate did not let in.
+/// Measurements that the gate of a sensor rejected.
 struct RefusedCount {
   std::string output;         ///< "sonar: height"
-  Eigen::Index refused = 0;   ///< measurements of e²/S beyond the gate
-  Eigen::Index measured = 0;  ///< all of them
+  Eigen::Index refused = 0;   ///< number of measurements whose e²/S exceeds the gate
+  Eigen::Index measured = 0;  ///< number of all measurements
 };
 
 struct NoiseTuningOptions {
   NoiseMethod method = NoiseMethod::likelihood;
-  NoiseFitOptions fit;  ///< of autocovariances only its confidence and profile count
+  NoiseFitOptions fit;  ///< autocovariances use only its confidence and profile
   ConsistencyOptions consistency;
-  bool compare = true;         ///< with the other method: NoiseTuning::agreement
-  AgreementOptions agreement;  ///< what of it matters
-  double holdout = 0.2;  ///< share of each record, its end, that is kept from the fit; 0 … 0.9
-  /// Share of an output's measurements that a gate may refuse before they are no outliers any more.
-  double most_refused = 0.05;
-  bool keep_records = false;  ///< NoiseTuning::records_before and records_after
-  /// Of the search, > 0. Once they are over the best so far is judged, which takes a few more runs
-  /// of the filter; the fit is then NoiseFitStatus::out_of_time.
+  bool compare = true;         ///< whether to compare with the other method: NoiseTuning::agreement
+  AgreementOptions agreement;  ///< limits of that comparison
+  double holdout = 0.2;  ///< share at the end of each record that is held out of the fit; 0 … 0.9
+  /// Maximum share of the measurements of an output that a gate may reject as outliers.
+  double max_rejected = 0.05;
+  bool keep_records = false;  ///< whether to fill NoiseTuning::records_before and records_after
+  /// Time limit of the search, > 0. After it the best point so far is evaluated, which takes a few
+  /// more runs of the filter; the fit is then NoiseFitStatus::out_of_time.
   double seconds = std::numeric_limits<double>::infinity();
-  /// Called as NoiseFitOptions::progress is, which it takes the place of, with which of the fits it
-  /// is, from 1. May be empty.
+  /// Called like NoiseFitOptions::progress, which it replaces, with the number of the fit as well,
+  /// from 1. May be empty.
   std::function<void(int round, int evaluations, double best)> progress = {};
 };
 
-/// The same stretch by the covariances before and after.
+/// Likelihood of the held-out part with the covariances before and after the fit.
 struct HoldOut {
-  Eigen::Index innovations = 0;  ///< that were compared; 0: there is no such stretch
-  double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood an innovation
+  Eigen::Index innovations = 0;  ///< number of innovations; 0: nothing was held out
+  double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood per innovation
   double after = std::numeric_limits<double>::quiet_NaN();
-  /// Fails where after is less than before by more than chance does, innovation by innovation, of
-  /// however few; passes from 30 on.
+  /// Fails if `after` is significantly lower than `before`, tested innovation by innovation, with
+  /// any number of them; passes only with 30 or more.
   CheckVerdict verdict = CheckVerdict::too_short;
-  std::string reason;  ///< where it does not pass
+  std::string reason;  ///< if it does not pass
 };
 
 struct NoiseTuning {
-  /// Where it was interrupted, that is all there is: nothing is judged.
+  /// If it was interrupted, only this is valid: there is no verdict.
   NoiseFit fit;
-  std::optional<AutocovarianceFit> autocovariances;  ///< that the fit is of, if it is
-  int rounds = 1;                       ///< fits made, each with its own path and its own refusals
-  std::vector<LeftOutRecord> left_out;  ///< of the filter's logs
-  std::vector<RefusedCount> refused;    ///< of the outputs whose sensor has a gate
-  Consistency before;                   ///< with the covariances that the model started with
+  /// The autocovariance fit that `fit` is converted from, if that is the method
+  std::optional<AutocovarianceFit> autocovariances;
+  /// Number of fits, each with its own linearization path and its own rejected measurements
+  int rounds = 1;
+  std::vector<LeftOutRecord> left_out;  ///< records of the logs that the filter cannot use
+  std::vector<RefusedCount> refused;    ///< one per output whose sensor has a gate
+  Consistency before;                   ///< with the covariances of the model
   Consistency after;
   HoldOut holdout;
-  std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, where asked for
-  /// Of the states whose truth is told: each over the stretch held out where it is told there, else
-  /// over the part that was fitted.
+  std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, if requested
+  /// Accuracy of the states whose true values are in the records: over the held-out part if they
+  /// are known there, otherwise over the fitted part.
   std::vector<StateAccuracy> accuracy;
-  /// What a user has to know whatever the verdict: a sensor that hangs, methods that disagree, a
-  /// filter that is less accurate than before.
+  /// What a user must know whatever the verdict: a sensor whose value is stuck, methods that
+  /// disagree, a filter that is less accurate than before.
   std::vector<std::string> warnings;
-  /// Pass: the fit converged, every parameter is seen or zero or fixed, the innovations are
-  /// consistent, gates refuse few, and the stretch held out is not less likely than before.
+  /// Pass: the fit converged, every parameter is determined, zero or fixed, the innovations are
+  /// consistent, gates reject few measurements, and the held-out part is not less likely than
+  /// before.
   CheckVerdict verdict = CheckVerdict::too_short;
-  std::vector<std::string> reasons;  ///< of a verdict that is not pass
-  /// Where asked for, the whole records as the filter took them with the covariances before and
-  /// after: linearized, and without what gates refused. Empty where it did not get through.
+  std::vector<std::string> reasons;  ///< why the verdict is not pass
+  /// If requested, the complete records as the filter used them with the covariances before and
+  /// after: linearized, and without the measurements that gates rejected. Empty if the filter
+  /// failed.
   std::vector<FilterRecord> records_before, records_after;
 };
 
-/// The parts of records that a fit with this holdout sees: their beginnings.
+/// The initial parts of records that a fit with this holdout uses.
 [[nodiscard]] std::vector<FilterRecord> fitted_parts(const std::vector<FilterRecord>& records,
                                                      double holdout);
 
-/// Where a sensor has a gate, what it refuses is found with the covariances of a fit in which that
-/// sensor's errors have long tails, taken out, and the fit is repeated until the gate refuses the
-/// same. The stretch held out continues the filter's run.
+/// Tunes the covariances of a linear filter. If a sensor has a gate, its rejected measurements are
+/// first determined with the covariances of a fit in which the errors of that sensor have a
+/// heavy-tailed distribution. They are removed, and the fit is repeated until the gate rejects the
+/// same measurements. The filter continues from the fitted part into the held-out part.
 ///
 /// @throws InvalidInput  as InnovationLikelihood, fit_noise() and check_consistency(); for options
 ///                       out of range.
@@ -94,12 +99,12 @@ struct NoiseTuning {
                                      const std::vector<FilterRecord>& records,
                                      const NoiseTuningOptions& options = {});
 
-/// The same for a nonlinear filter, linearized anew along the path of each fit's covariances until
-/// they change no more. What is reported is of the extended filter itself.
+/// Tunes a nonlinear filter, which is linearized again along the path of each fit until the
+/// covariances no longer change. The reported results are those of the extended filter itself.
 [[nodiscard]] NoiseTuning tune_noise(const NonlinearFilter& filter,
                                      const NoiseTuningOptions& options = {});
 
-/// The model with θ as its parameters' starts.
+/// Returns the model with θ as the start values of its parameters.
 [[nodiscard]] FilterModel with_noise(FilterModel model,
                                      const Eigen::Ref<const Eigen::VectorXd>& theta);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a campaign file asks for.
+/// The contents of a campaign file.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@
 
 namespace quadtune {
 
-/// [[design]]: gains as `quadtune fly` takes them.
+/// [[design]]: gains, in the words that `quadtune fly` accepts.
 struct CampaignDesign {
   std::string name, gains, controller, integrator;
   std::string where;  ///< "file:line"
 };
 
-/// [[mission]]: how it is flown.
+/// [[mission]]: a mission and how it is flown.
 struct CampaignMission {
   Mission mission;
   FlightOptions arguments;  ///< estimator, sensors, flow, wind, duration, …
@@ -38,13 +38,13 @@ struct CampaignRequest {
   Uncertainty uncertainty;
   std::uint32_t flights = 0;
   std::uint64_t seed = 1;
-  std::uint32_t shards = 0;  ///< 0: not said
+  std::uint32_t shards = 0;  ///< 0: not given
   CampaignKeep keep;
 };
 
 /// One [[mission]] of a campaign or requirements file.
-/// @param folder  where a mission's file is looked for
-/// @param more    keys that the table may have beside those that are read
+/// @param folder  folder that the path of a mission file is relative to
+/// @param more    further keys that the table may have
 [[nodiscard]] CampaignMission read_campaign_mission(
     const internal::TomlTable& table, const std::filesystem::path& folder,
     const std::vector<internal::TomlKey>& more = {});

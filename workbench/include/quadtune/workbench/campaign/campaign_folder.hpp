@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A campaign on disk: its plan and scripts, how far its shards are, and the flights that were
-/// flown.
+/// A campaign on disk: its plan and scripts, the progress of its shards, and the records of its
+/// flights.
 #pragma once
 
 #include <cstdint>
@@ -16,46 +16,46 @@
 
 namespace quadtune {
 
-/// Writes the plan and its scripts into a folder that has no plan, or has the same.
-/// @param stop  asked before files are put in place; true ends the work with Interrupted
-/// @return      whether the same plan was there already
-/// @throws InvalidInput  for a folder with another plan, naming the first key that differs
+/// Writes the plan and its scripts into a folder that has no plan, or the same plan.
+/// @param stop  called before files are put in place; if it returns true, Interrupted is thrown
+/// @return      whether the folder already had the same plan
+/// @throws InvalidInput  if the folder has another plan; names the first key that differs
 /// @throws FileError, Interrupted
 bool write_campaign(const MadeCampaign& made, const std::string& folder,
                     const std::function<bool()>& stop = {});
 
-/// How far a shard is.
+/// Progress of a shard.
 struct ShardProgressReport {
   std::string state;  ///< "done", "running", "stopped", "damaged" or "waiting"
   std::uint64_t records = 0, expected = 0;
   std::vector<std::string> damage;  ///< as ShardState::damage
 };
 
-/// How far a campaign is.
+/// Progress of a campaign.
 struct CampaignStatus {
   std::vector<ShardProgressReport> shards;
   std::uint64_t records = 0, expected = 0;
   int known_workers = 0;  ///< running workers whose rate is known
-  /// Time until all is flown if as many workers go on, those that have not written yet as fast as
-  /// the others [s]; 0 where all is flown; not finite where nobody knows.
+  /// Estimated time until all flights are flown [s], if as many workers continue and those without
+  /// a known rate are as fast as the others; 0 if all are flown; not finite if no rate is known.
   double left = 0;
 };
 
 /// @throws FileError  as shard_state()
 [[nodiscard]] CampaignStatus campaign_status(const CampaignPlan& plan, const std::string& folder);
 
-/// The records of all shards, in the order of their numbers.
-/// @param stop  asked now and then; true ends the work with Interrupted
+/// The records of all shards, in the order of the flight numbers.
+/// @param stop  called regularly; if it returns true, Interrupted is thrown
 /// @throws InvalidInput  naming the shards that are missing or damaged
 [[nodiscard]] std::vector<CampaignRecord> all_records(const CampaignPlan& plan,
                                                       const std::string& folder,
                                                       const std::function<bool()>& stop = {});
 
-/// Numbers of the flights that leave a log.
+/// Numbers of the flights that keep a full log.
 [[nodiscard]] std::set<std::uint64_t> kept_flights(const CampaignPlan& plan,
                                                    const std::vector<CampaignRecord>& records);
 
-/// A flight of the campaign with its words.
+/// A flight of the campaign, with the description of its case.
 [[nodiscard]] PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the flown shards of a campaign to what is read: records, statistics, table, database, logs.
+/// Merges the flown shards of a campaign into records, statistics, a table, a database and logs.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,33 +16,33 @@
 
 namespace quadtune {
 
-/// All flights of a campaign, put together. The same however the flights were shared among shards,
-/// threads and machines.
+/// The merged flights of a campaign. The result does not depend on how the flights were divided
+/// among shards, threads and machines.
 struct MergedCampaign {
-  std::vector<CampaignRecord> records;  ///< of all flights, in the order of their numbers
+  std::vector<CampaignRecord> records;  ///< of all flights, ordered by flight number
   Eigen::MatrixXd drawn;                ///< all_draws() of the campaign
   CampaignStatistics statistics;
 };
 
-/// @param threads  to use; 0: one for each processor
-/// @param stop     asked now and then; true ends the work with Interrupted
-/// @throws InvalidInput  naming the shards that are missing or damaged
+/// @param threads  number of threads; 0: one per processor
+/// @param stop     called regularly; if it returns true, Interrupted is thrown
+/// @throws InvalidInput  if shards are missing or damaged; names them
 /// @throws FileError, Interrupted
 [[nodiscard]] MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folder,
                                             std::size_t threads = 0,
                                             const std::function<bool()>& stop = {});
 
-/// Writes flights.csv and campaign.sqlite into the folder, each whole or not at all.
+/// Writes flights.csv and campaign.sqlite into the folder, each atomically.
 /// @param threads, stop  as merge_campaign()
-/// @return  the paths of both
+/// @return  the two paths
 /// @throws FileError, Interrupted
 [[nodiscard]] std::vector<std::string> write_campaign_tables(
     const CampaignPlan& plan, const MergedCampaign& merged, const std::string& folder,
     std::size_t threads = 0, const std::function<bool()>& stop = {});
 
-/// Flies one flight of the campaign again, with every control period kept.
+/// Flies one flight of the campaign again and logs every control period.
 /// @param number  of the flight, less than plan.campaign.records()
-/// @return        the log as a MAT file; its name is the path in the campaign's folder
+/// @return        the log as a MAT file; its name is the path within the campaign's folder
 /// @throws OptionError  as keep_log()
 /// @throws FileError, Interrupted
 [[nodiscard]] FileContent campaign_log(const CampaignPlan& plan, const std::string& folder,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The plan of a campaign: everything that its flights are made of, fixed once, so that workers on
-/// any machine fly the same.
+/// The plan of a campaign: all data that determine its flights, fixed once, so that workers on any
+/// machine fly the same flights.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@
 
 namespace quadtune {
 
-/// The plan's file in a campaign's folder, and those that it names.
+/// Name of the plan file in a campaign's folder; the plan refers to further files.
 inline constexpr char kPlanName[] = "plan.json";
 
-/// Which flights leave a full log.
+/// Which flights keep a full log.
 struct CampaignKeep {
-  int failures = 5;  ///< the first that fail
-  int sample = 0;    ///< spread evenly over all
+  int failures = 5;  ///< number of failed flights, first ones first
+  int sample = 0;    ///< number of flights spread evenly over all
 };
 
 struct CampaignPlan {
@@ -30,27 +30,27 @@ struct CampaignPlan {
   Campaign campaign;
   std::uint32_t shards = 1;
   CampaignKeep keep;
-  std::vector<PlannedFlight> words;  ///< of each case, without its setup
+  std::vector<PlannedFlight> words;  ///< description of each case, without its setup
 };
 
-/// A plan, and the files from which load_plan() reads it back.
+/// A plan and the files from which load_plan() restores it.
 struct MadeCampaign {
   CampaignPlan plan;
-  std::vector<FileContent> files;  ///< the plan's hash last
+  std::vector<FileContent> files;  ///< the hash of the plan last
 };
 
-/// Reads a campaign file (docs/formats.md) and computes the gains that it asks for.
-/// @param shards  0: as the file says, or such that one takes some minutes
+/// Reads a campaign file (docs/formats.md) and computes the gains that it requests.
+/// @param shards  0: the number in the file, or a number for which a shard takes some minutes
 /// @throws InvalidInput  "file:line: …"
 /// @throws FileError, NoSolution
 [[nodiscard]] MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards);
 
-/// Reads a plan back and checks that nothing was changed since it was written.
-/// @throws InvalidInput  naming what was changed, or the version that wrote it
-/// @throws FileError     where there is no plan
+/// Loads a plan and checks that no file was changed since it was written.
+/// @throws InvalidInput  if a file was changed or another version wrote the plan; names it
+/// @throws FileError     if there is no plan
 [[nodiscard]] CampaignPlan load_plan(const std::filesystem::path& folder);
 
-/// Where the plan's records lie.
+/// The folder and layout of the plan's records.
 [[nodiscard]] CampaignFolder folder_of(const CampaignPlan& plan,
                                        const std::filesystem::path& folder);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scripts that fly a campaign's shards by the engines that clusters have.
+/// Scripts that fly a campaign's shards with the schedulers of clusters.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace quadtune {
 
-/// slurm.sh, a job array for sbatch, and parallel.sh, for GNU parallel here or over ssh. Both call
-/// $QUADTUNE, or the quadtune of the path.
+/// slurm.sh, a job array for sbatch, and parallel.sh, for GNU parallel on this machine or over ssh.
+/// Both call $QUADTUNE, or the quadtune in PATH.
 /// @param folder  absolute, the same on all machines
 [[nodiscard]] std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
                                                         const std::filesystem::path& folder);
 
-/// A word as a shell takes it whole.
+/// Quotes a word so that a shell reads it as one argument.
 [[nodiscard]] std::string shell_word(const std::string& word);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A vehicle's PID cascade, designed or written, with the evidence of its loops.
+/// A vehicle's PID cascade, designed or given, with the evidence for its loops.
 #pragma once
 
 #include <optional>
@@ -13,46 +13,47 @@
 
 namespace quadtune {
 
-/// A cascade with what it was designed for and how it does as a whole.
+/// A cascade with its specification and the margins of all loops together.
 struct CascadeReport {
   std::string vehicle;                 ///< name
-  bool designed = false;               ///< not written
+  bool designed = false;               ///< otherwise its gains were given
   CascadeSpecification specification;  ///< with the lag that was used
-  std::string published_source;        ///< empty where nothing is published
+  std::string published_source;        ///< empty if no gains are published
   std::optional<CascadeGains> published;
   PidCascade cascade;
-  DiscreteLti open_loop;  ///< all loops, cut at the wrench
-  MarginsReport margins;  ///< there
+  DiscreteLti open_loop;  ///< all loops closed but the one at the wrench, where it is cut
+  MarginsReport margins;  ///< of `open_loop`
 };
 
-/// Hover of the vehicle with the lag of its slowest motor and its published gains.
-/// @param where  the file or vehicle that asked for it
+/// Hover of the vehicle, with the lag of its slowest motor and its published gains.
+/// @param where  file or vehicle, for messages
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where);
 
-/// The vehicle of the textbook plant: rotors and commands without lag and delay.
+/// The vehicle of the textbook plant: motors and commands without lag and delay.
 [[nodiscard]] Vehicle without_lag(Vehicle vehicle);
 
-/// @throws NoSolution  naming the loop that cannot be had, and the highest that can.
+/// @throws NoSolution  if a loop cannot be designed; names the loop and the highest feasible
+///                     crossover
 [[nodiscard]] CascadeReport design_cascade(const Vehicle& vehicle,
                                            const CascadeSpecification& specification,
                                            const std::string& where);
 
-/// The same for gains that were written, with nothing beside it.
-/// @param method  of the integrals
+/// The same for given gains; nothing is designed.
+/// @param method  integration method of the integrals
 [[nodiscard]] CascadeReport assess_written_cascade(const Vehicle& vehicle,
                                                    const CascadeGains& gains, PidMethod method,
                                                    const std::string& where);
 
-/// What the loop of an exported cascade is closed around: hover with the vehicle's lag, sampled.
+/// The plant of an exported cascade: hover with the vehicle's motor lag, sampled.
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] DiscreteLti cascade_plant(const Vehicle& vehicle, const CascadeDesign& cascade,
                                         const std::string& where);
 
-/// What a careful engineer would not fly, of each loop and of all together; see margin_warnings().
+/// Warnings about weak margins of each loop and of all loops together; see margin_warnings().
 [[nodiscard]] std::vector<std::string> cascade_warnings(const CascadeReport& report);
 
-/// Whether a pole of all loops together is not inside the unit circle.
+/// Whether all loops together have a pole on or outside the unit circle.
 [[nodiscard]] bool unstable(const CascadeReport& report);
 
 }  // namespace quadtune

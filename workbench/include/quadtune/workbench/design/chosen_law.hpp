@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control law that flies: designed, published, or of a file.
+/// The control law of a flight: designed, published, or from a file.
 #pragma once
 
 #include <optional>
@@ -18,55 +18,56 @@
 
 namespace quadtune {
 
-/// The kinds of law by name, as controller_kind() gives them.
+/// Names of the kinds of law, as returned by controller_kind().
 inline constexpr char kCascadedPid[] = "cascaded-pid";
 inline constexpr char kStateFeedback[] = "state-feedback";
-inline constexpr char kFirmware[] = "firmware";  ///< the loops of an autopilot, of its parameters
+inline constexpr char kFirmware[] = "firmware";  ///< the loops of an autopilot with its parameters
 
-/// Control period of laws that come with none [s]: that of the Mambo's program.
+/// Control period of laws that do not define one [s]: that of the Mambo's program.
 inline constexpr double kUsualPeriod = 0.005;
 
-/// Back calculation of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
-/// 0.001 unwinds nothing.
+/// Back-calculation gain of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
+/// 0.001 is too small to unwind an integral.
 inline constexpr double kDesignedBackCalculation = 2;
 
 /// Limit of the pitch and roll references of designed cascades [rad].
 inline constexpr double kDesignedAttitudeLimit = 0.5;
 
-/// What steers, and what is known of it.
+/// A control law and what is known about it.
 struct ChosenLaw {
   Controller controller;
-  std::string words;  ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
-  std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
-  double position_bandwidth = 0;  ///< of the slower loop of x and y [rad/s]; 0: not known
+  std::string words;  ///< description, e.g. "cascaded PID, designed as by `quadtune pid mambo`"
+  std::optional<MarginsReport> margins = {};  ///< of its loops, if its design computed them
+  double position_bandwidth = 0;              ///< of the slower loop of x and y [rad/s]; 0: unknown
   std::optional<StoredEstimator> estimator = {};  ///< that its file names
-  bool on_board = false;  ///< the law is an autopilot's: fly_on_board() makes its flights
+  bool on_board = false;  ///< whether the law is that of an autopilot: fly_on_board() sets up its
+                          ///< flights
 };
 
-/// "cascaded-pid", "state-feedback" or "firmware", also for "pid" and "lqr"; "" stays.
+/// Returns "cascaded-pid", "state-feedback" or "firmware", also for "pid" and "lqr"; "" for "".
 /// @throws OptionError  for other words
 [[nodiscard]] std::string controller_kind(const std::string& word);
 
-/// The law that `gains`, `controller` and `integrator` of the options ask for.
-/// @param who  asked, e.g. "fly", for the message of NoSolution
+/// The law that `gains`, `controller` and `integrator` of the options select.
+/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws OptionError, InvalidInput, FileError, NoSolution
 [[nodiscard]] ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle,
                                    const std::string& who);
 
-/// Whether the cascade is designed on the flown plant unless asked otherwise. Position fixes below
-/// 5 Hz dominate the cost of that design, so that it becomes slower than the loop-by-loop rules.
+/// Whether the cascade is designed on the flown plant by default. Position fixes below 5 Hz
+/// dominate the cost of that design, so that it becomes slower than with the loop-by-loop rules.
 [[nodiscard]] bool usually_on_flown_plant(const Vehicle& vehicle);
 
-/// What is asked of a cascade where nobody says: a design within the published gains or the usual
-/// bounds, at the published period or kUsualPeriod.
+/// The default specification of a cascade: a design within the published gains or the usual bounds,
+/// at the published period or kUsualPeriod.
 [[nodiscard]] CascadeSpecification usual_specification(const Vehicle& vehicle);
 
-/// Of the slower loop of x and y [rad/s]; 0 where there is none.
+/// Bandwidth of the slower loop of x and y [rad/s]; 0 if there is none.
 [[nodiscard]] double position_bandwidth(const CascadeReport& report);
 
-/// A gain schedule as it is flown: ScheduledFeedback, with the bounds of keep_near_hover() for its
-/// gains at hover.
-/// @param dt  control period [s]; that of the schedule where it has one
+/// A gain schedule as a flying law: ScheduledFeedback, with the bounds that keep_near_hover() gives
+/// for its gains at hover.
+/// @param dt  control period [s]; ignored if the schedule has one
 /// @throws InvalidInput  as hover_gains() and keep_near_hover()
 [[nodiscard]] StateFeedbackController scheduled_controller(const Vehicle& vehicle,
                                                            GainSchedule schedule, double dt);

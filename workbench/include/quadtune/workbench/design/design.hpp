@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The whole way from a vehicle and what is asked of it to gains with their evidence, flown.
+/// The complete design: from a vehicle and requirements to gains with their evidence and flights.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,102 +29,107 @@
 
 namespace quadtune {
 
-/// Flights of each mission of a design, all of which must pass.
+/// Number of flights of each mission of a design; all of them must pass.
 inline constexpr std::uint32_t kDesignSeeds = 5;
 
-/// The disturbed flights of a design: a gust of this speed [m/s] and length [s], and a load of this
-/// share of the mass that is picked up, both in the middle of the mission. Their limits on
-/// position, height and heading are those of the mission times kDisturbedSlack; settling, overshoot
-/// and the rms are not judged.
+/// The disturbed flights of a design: a gust with this speed [m/s] and duration [s], and a load
+/// with this share of the mass that is picked up, both in the middle of the mission. Their limits
+/// on position, height and heading are those of the mission times kDisturbedSlack; settling,
+/// overshoot and rms values have no limits.
 inline constexpr double kGustSpeed = 3;
 inline constexpr double kGustLength = 2;
 inline constexpr double kLoadShare = 0.1;
 inline constexpr double kDisturbedSlack = 3;
 
-/// How far a gain is from the published one.
+/// Difference between the computed and the published gains.
 struct PublishedDifference {
-  double max_relative = 0;  ///< largest |difference| over its row's largest published entry
-  double max_entry = 0;     ///< largest |difference| over its own published entry
-  std::string worst;        ///< which entry that is, e.g. "K_int(w1, theta)"
-  double published = 0;     ///< that entry, published
-  double converged = 0;     ///< that entry, here
+  double max_relative = 0;  ///< largest |difference| relative to the largest published entry of its
+                            ///< row
+  double max_entry = 0;     ///< largest |difference| relative to its own published entry
+  std::string worst;        ///< name of that entry, e.g. "K_int(w1, theta)"
+  double published = 0;     ///< published value of that entry
+  double converged = 0;     ///< computed value of that entry
 };
 
-/// A filter with its solver's evidence.
+/// A filter with the evidence of its solver.
 struct DesignedFilter {
   KalmanFilter filter;
   KalmanResult evidence;
 };
 
-/// Everything that a design leads to.
+/// All results of a design.
 struct DesignOutcome {
   Design design;
   Linearization model;
   std::optional<StateFeedback> feedback;  ///< of Design::lqr
   std::optional<LqiReport> lqi;           ///< of Design::lqi
-  std::optional<MatrixReport> matrix;     ///< in its place, of a Design::lqi that is a matrix
+  std::optional<MatrixReport> matrix;     ///< instead of `lqi` if Design::lqi is a matrix
   std::optional<Gains> gains;
-  std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; if dt > 0
-  Eigen::VectorXcd poles;                ///< of the loop as it flies, integrals included
-  std::optional<MarginsReport> margins;  ///< of the loop as it flies, at the plant's inputs
+  std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; only if dt >
+                                         ///< 0
+  Eigen::VectorXcd poles;                ///< of the flown loop, integrals included
+  std::optional<MarginsReport> margins;  ///< of the flown loop, cut at the plant's inputs
   std::optional<CascadeReport> cascade;
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
-  /// The loops of its laws with rotor lag, sensors and estimator. Of a state feedback for the ideal
-  /// plant with margins.
+  /// The loops of the laws with motor lag, sensors and estimator. For a state feedback designed on
+  /// the ideal plant, with margins.
   std::vector<FlownLaw> flown;
-  /// Of the missions that the design asks for, worst_of() its seeds each.
+  /// For each mission of the design worst_of() the flights with its seeds.
   std::vector<FlownFlight> flights;
-  /// The same missions with a gust and with a load, see fly_disturbed().
+  /// The same missions with a gust and with a load; see fly_disturbed().
   std::vector<FlownFlight> disturbed = {};
 };
 
-/// What is asked of a design that is in no file. As it stands: the usual cascade, which has to
-/// fly the built-in mission "hover" with the vehicle's own sensors.
+/// Requirements of a design without a file. The defaults give the usual cascade, which must fly the
+/// built-in mission "hover" with the vehicle's own sensors.
 struct DesignRequirements {
   std::string name;                      ///< of the design; empty: the vehicle's
-  FlightCondition condition;             ///< steady flight that the state feedback holds
+  FlightCondition condition;             ///< trim of the state feedback
   std::optional<LqrDesign> lqr;          ///< e.g. usual_lqr()
-  std::optional<LqiDesign> lqi;          ///< for the plant that flies; not beside lqr
-  std::optional<CascadeDesign> cascade;  ///< none, and no state feedback: usual_cascade()
+  std::optional<LqiDesign> lqi;          ///< for the flown plant; excludes `lqr`
+  std::optional<CascadeDesign> cascade;  ///< if absent and there is no state feedback:
+                                         ///< usual_cascade()
   std::vector<KalmanDesign> kalman;
-  /// That the gains must fly. Without a `controller`, by the cascade where there is one.
+  /// Missions that the gains must fly; without a `controller`, with the cascade if there is one.
   std::vector<MissionRequest> missions = {MissionRequest{.mission = "hover"}};
-  std::uint64_t seed = 1;              ///< of everything random in the first flight of each mission
+  std::uint64_t seed = 1;              ///< for the first flight of each mission
   std::uint32_t seeds = kDesignSeeds;  ///< flights of each mission, ≥ 1
   bool keep_logs = false;              ///< FlightResult::log of each flight
 };
 
-/// All twelve states of ned_convention() to the wrench, weights by Bryson's rule from what the
-/// vehicle can give (standard_weights()), the continuous cost of held inputs.
+/// An LQR from all twelve states of ned_convention() to the wrench, with weights by Bryson's rule
+/// from the capabilities of the vehicle (standard_weights()) and the continuous cost of held
+/// inputs.
 /// @param dt  sample period of the law [s], > 0
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] LqrDesign usual_lqr(const Vehicle& vehicle, double dt = kUsualPeriod);
 
-/// The cascade that `quadtune fly V` designs where nothing else is said, with its limits.
+/// The cascade that `quadtune fly V` designs by default, with its limits.
 [[nodiscard]] CascadeDesign usual_cascade(const Vehicle& vehicle);
 
-/// Gains, margins, poles, and the missions flown with them: what `quadtune design` does, for a
-/// vehicle in memory and without any file.
+/// Computes gains, margins and poles, and flies the missions with them, as `quadtune design` does,
+/// but for a vehicle in memory and without files.
 ///
 ///     const DesignOutcome hover = design(load_vehicle("crazyflie"));
 ///     if (!missions_passed(hover)) std::cerr << reasons(hover.flights[0])[0] << '\n';
 ///
-/// @param stop  asked now and then while missions are flown; true ends them with Interrupted
-/// @throws OptionError   for a word of a mission that is not known, naming the option
-/// @throws InvalidInput  for a problem or a mission that makes no sense
+/// @param stop  called regularly while missions are flown; if it returns true, Interrupted is
+///              thrown
+/// @throws OptionError   if a word of a mission is unknown; names the option
+/// @throws InvalidInput  if the requirements or a mission are invalid
 /// @throws NoSolution    with the culprit of the trim, the LQR problem, a loop or a filter
-/// @throws FileError     for a mission file that cannot be read
+/// @throws FileError     if a mission file cannot be read
 [[nodiscard]] DesignOutcome design(const Vehicle& vehicle,
                                    const DesignRequirements& requirements = {},
                                    const std::function<bool()>& stop = {});
 
-/// Trims, linearizes, solves the control laws alone: no filters, no flights.
-/// @throws NoSolution  with the culprit of the trim, the LQR problem or a loop.
+/// Trims, linearizes and solves for the control laws only: no filters, no flights.
+/// @throws NoSolution  with the culprit of the trim, the LQR problem or a loop
 [[nodiscard]] DesignOutcome solve_laws(Design design);
 
-/// Likewise with the filters and the flown loops.
-/// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter.
+/// The same with the filters and the flown loops.
+/// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter
 [[nodiscard]] DesignOutcome run_design(Design design);
 
 /// The same for a design file, or for the usual_design() of a vehicle.
@@ -132,30 +137,30 @@ struct DesignRequirements {
 /// @throws InvalidInput, FileError, NoSolution
 [[nodiscard]] DesignOutcome run_design(const std::filesystem::path& file);
 
-/// Covariances of the design from a tuning whose verdict is another than pass, a sentence each:
-/// gains from them are not to be believed as they are.
-[[nodiscard]] std::vector<std::string> doubtful_covariances(const Design& design);
+/// Covariances of the design that come from a tuning whose verdict is not pass, one sentence each:
+/// gains that depend on them should not be trusted without further checks.
+[[nodiscard]] std::vector<std::string> unconfirmed_covariances(const Design& design);
 
-/// The estimator of the program that the design is exported to, or that its covariances are meant
-/// for, as FlightOptions::estimator; empty: what the vehicle's sensors can feed.
+/// The estimator of the program to which the design is exported, or for which its covariances are
+/// meant, as in FlightOptions::estimator; empty: the one that the vehicle's sensors support.
 [[nodiscard]] std::string program_estimator(const Design& design);
 
-/// Flies every mission that the design asks for with the gains of the outcome.
+/// Flies every mission of the design with the gains of the outcome.
 /// @param seed       of the first flight of each mission
-/// @param keep_logs  for reports
+/// @param keep_logs  whether logs are kept, for reports
 /// @param stop       as design()
-/// @param seeds      flights of each mission, with seeds in a row, ≥ 1
+/// @param seeds      number of flights of each mission, with consecutive seeds, ≥ 1
 /// @return           worst_of() the flights of each mission
-/// @throws InvalidInput  "file:line: …" for a mission that cannot be flown; of a design in no file
-///                       OptionError for a word
-/// @throws FileError     for a mission file that cannot be read
+/// @throws InvalidInput  "file:line: …" if a mission cannot be flown; for a design without a file,
+///                       an unknown word throws OptionError instead
+/// @throws FileError     if a mission file cannot be read
 [[nodiscard]] std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome,
                                                     std::uint64_t seed, bool keep_logs,
                                                     const std::function<bool()>& stop = {},
                                                     std::uint32_t seeds = kDesignSeeds);
 
-/// Flies every mission of the outcome with a gust, then with a load that it picks up, of which
-/// neither law nor estimator is told. No motor test and nothing that is carried.
+/// Flies every mission of the outcome with a gust, then with a load that the vehicle picks up.
+/// Neither law nor estimator knows about them. Motor tests and carried vehicles are skipped.
 /// @throws  as fly_missions()
 [[nodiscard]] std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome,
                                                      std::uint64_t seed,
@@ -164,7 +169,7 @@ struct DesignRequirements {
 /// Whether the flown loop of every law is stable.
 [[nodiscard]] bool laws_hold(const DesignOutcome& outcome);
 
-/// Whether every mission passed, disturbed ones included.
+/// Whether every mission passed, including the disturbed flights.
 [[nodiscard]] bool missions_passed(const DesignOutcome& outcome);
 
 }  // namespace quadtune

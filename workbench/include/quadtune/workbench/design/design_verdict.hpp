@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a design may be flown, and what its user has to know.
+/// Whether a design may be flown, and what its user should know.
 #pragma once
 
 #include <optional>
@@ -12,41 +12,40 @@
 
 namespace quadtune {
 
-/// Why a design failed; of several reasons the first of these.
+/// Why a design failed; if there are several reasons, the first in this order.
 enum class DesignFailure {
   none,
   unstable_cascade,     ///< with the ideal plant
   unstable_flown_loop,  ///< with rotor lag, sensors and estimator
-  mission,              ///< a flight did not pass
-  verification,         ///< what was written does not read back right
+  mission,              ///< a flight failed
+  verification,         ///< the written files do not verify
 };
 
-/// "the cascade does not hold the vehicle", …; "" of none.
+/// For example "the cascade does not hold the vehicle"; "" for none.
 [[nodiscard]] std::string to_string(DesignFailure failure);
 
-/// @param written  the design's exports; none: nothing was written, which has nothing to fail
+/// @param written  the exports of the design; if empty, nothing was written and none can fail
 [[nodiscard]] DesignFailure failure_of(const DesignOutcome& outcome,
                                        const std::vector<WrittenExport>& written);
 
-/// Why a design should not be exported, a sentence each: covariances that logs did not prove, and
-/// failure_of() what was flown of it. Empty: nothing stands against it.
+/// Reasons against exporting a design, one sentence each: covariances that the logs do not support,
+/// and the failed flights and loops (failure_of()). Empty: no objection.
 [[nodiscard]] std::vector<std::string> reasons_against_export(const DesignOutcome& outcome);
 
-/// What a careful engineer would look at before flying: of weights, covariances, margins, cascade
-/// and flown loops, a sentence each.
+/// Warnings to consider before a flight, about weights, covariances, margins, cascade and flown
+/// loops; one sentence each.
 [[nodiscard]] std::vector<std::string> design_warnings(const DesignOutcome& outcome);
 
-/// What a reader must know of the model and of the flights, e.g. of sensors that were assumed: each
-/// once.
+/// Notes about the model and the flights, e.g. about assumed sensors; each occurs once.
 [[nodiscard]] std::vector<std::string> design_notes(const DesignOutcome& outcome);
 
-/// Why flights of a design failed; none of one that passed.
+/// Why flights of a design failed; no value for flights that passed.
 struct MissionDiagnoses {
-  std::vector<std::optional<Diagnosis>> flights;    ///< of each in DesignOutcome::flights
-  std::vector<std::optional<Diagnosis>> disturbed;  ///< likewise
+  std::vector<std::optional<Diagnosis>> flights;    ///< corresponds to DesignOutcome::flights
+  std::vector<std::optional<Diagnosis>> disturbed;  ///< corresponds to DesignOutcome::disturbed
 };
 
-/// Flies every flight that failed again, as diagnose() does.
+/// Diagnoses every failed flight with diagnose().
 /// @throws InvalidInput, Interrupted  as diagnose()
 [[nodiscard]] MissionDiagnoses diagnose_missions(const DesignOutcome& outcome);
 

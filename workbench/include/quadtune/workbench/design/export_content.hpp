@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the exporters need of a design that is solved.
+/// Converts a solved design to the input of the exporters.
 #pragma once
 
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace quadtune {
 
-/// Libraries that the gains come through, beside those that the exporters name: for the manifest.
+/// Libraries that the gains depend on and that the exporters do not list; for the manifest.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();
 
-/// A vehicle's file by its name, as a manifest has it; also of a built-in one.
+/// The file name of a vehicle for the manifest; also for a built-in vehicle.
 [[nodiscard]] std::string vehicle_file_name(const Vehicle& vehicle);
 
-/// ExportEvidence::method of gains by flown_lqi().
+/// ExportEvidence::method of gains that flown_lqi() computed.
 inline constexpr char kFlownLqiMethod[] = "sampled LQI on the flown plant";
 
-/// What the exporters need. Weights on changes of the commands have no place in a manifest: gains
-/// with such weights come without weights and evidence.
+/// The input of the exporters. A manifest cannot hold weights on changes of the commands: gains
+/// with such weights are exported without weights and evidence.
 [[nodiscard]] ExportContent export_content(const DesignOutcome& outcome);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Weights of an LQR about a vehicle's trim whose gain is a given one.
+/// LQR weights about a vehicle's trim that reproduce a given gain.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@
 namespace quadtune {
 
 struct GivenGainMatch {
-  OrderedGains gains;  ///< as the problem has its states, integrals and inputs
+  OrderedGains gains;  ///< ordered by the states, integrals and inputs of the problem
   GainMatch match;
 };
 
 /// Searches for the weights.
-/// @param design  the problem, with the weights where the search begins
+/// @param design  the problem, with the initial weights of the search
 /// @param path    of the gains, for messages
-/// @throws OptionError   "R" for a weight of 0 of an input, "tie" for ties that match_gains()
-///                       refuses
-/// @throws InvalidInput  as in_order_of(), and for gains that match_gains() refuses
+/// @throws OptionError   "R" if the weight of an input is 0, "tie" for ties that match_gains()
+///                       rejects
+/// @throws InvalidInput  as in_order_of(), or if match_gains() rejects the gains
 [[nodiscard]] GivenGainMatch match_given_gains(const Gains& given, const LinearVehicle& plant,
                                                const LqrDesign& design,
                                                const GainMatchOptions& options,

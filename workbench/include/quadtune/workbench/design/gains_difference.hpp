@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The laws of two files, compared entry by entry.
+/// Compares the laws of two files entry by entry.
 #pragma once
 
 #include <string>
@@ -8,16 +8,17 @@
 
 namespace quadtune {
 
-/// What differs, and what was left out.
+/// The differences, and the laws that were not compared.
 struct LawsDifference {
   GainsDiff entries;
-  std::string
-      left_out;  ///< "state feedback" or "PID cascade", which one of the two lacks; or empty
+  /// "state feedback" or "PID cascade" if only one of the files has it, otherwise empty.
+  std::string left_out;
 };
 
-/// Compares what both files hold: state feedback with state feedback, cascade with cascade.
-/// @param first, second  as read_given_laws() takes them
-/// @throws InvalidInput  if they have no law of one kind, or as diff()
+/// Compares the laws that both files have: state feedback with state feedback, cascade with
+/// cascade.
+/// @param first, second  paths that read_given_laws() accepts
+/// @throws InvalidInput  if the files have no kind of law in common, or as diff()
 /// @throws FileError, NoSolution
 [[nodiscard]] LawsDifference diff_laws(const std::string& first, const std::string& second);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains from files, made ready to be exported for another program.
+/// Prepares gains from files for export to another program.
 #pragma once
 
 #include <string>
@@ -11,36 +11,36 @@
 
 namespace quadtune {
 
-/// Refuses continuous gains, because a computer flies them in a sample period.
+/// Rejects continuous gains, because a flight computer needs a sample period.
 /// @param path  of the laws, for messages
-/// @throws InvalidInput
+/// @throws InvalidInput  if the gains are continuous
 void require_sampled(const StoredLaws& laws, const std::string& path);
 
-/// What is exported of laws from files: gains, cascade, estimator and vehicle; no weights, no
-/// filters.
-/// @param laws     as require_sampled() takes them
-/// @param vehicle  name or file of the vehicle that the laws are for
+/// The export of laws from files: gains, cascade, estimator and vehicle; no weights and filters.
+/// @param laws     accepted by require_sampled()
+/// @param vehicle  name or file of the laws' vehicle
 /// @param path     of the laws, for messages
 /// @throws InvalidInput, FileError  as load_vehicle()
 /// @throws NoSolution               if the vehicle cannot hover
 [[nodiscard]] ExportContent export_content(StoredLaws laws, const std::string& vehicle,
                                            const std::string& path);
 
-/// What is exported of a gain schedule: it, its vehicle, and the files of both.
+/// The export of a gain schedule: the schedule, its vehicle, and the files of both.
 /// @param path     of a table
 /// @param vehicle  name or file; empty: the vehicle that the schedule names
-/// @throws InvalidInput, FileError  as read_schedule() and load_vehicle(), and for another vehicle
+/// @throws InvalidInput, FileError  as read_schedule() and load_vehicle(), or if the schedule is
+///                       for another vehicle
 [[nodiscard]] ExportContent schedule_content(const std::string& path, const std::string& vehicle);
 
-/// Turns the gains into the convention of the program that they are for, and adds the plant that
-/// they fly with. Gains without a trim get that of the vehicle.
-/// @return  what the user should know of this, a sentence each
-/// @throws InvalidInput  for gains whose states the convention does not have
+/// Converts the gains to the convention of the target program and adds the plant that they control.
+/// Gains without a trim get that of the vehicle.
+/// @return  notes for the user, one sentence each
+/// @throws InvalidInput  if the convention lacks a state of the gains
 /// @throws NoSolution    if the vehicle has no such trim
 [[nodiscard]] std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind);
 
-/// Why the laws do not hold the vehicle: "the loop of these gains with mambo is unstable (spectral
-/// radius 1.2)"; empty if every loop that is known is stable.
+/// Describes the loop that makes the laws fail: "the loop of these gains with mambo is unstable
+/// (spectral radius 1.2)"; empty if every known loop is stable.
 [[nodiscard]] std::string unstable_loop(const ExportContent& content);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Control laws that the user names: of an export, of a file of gains, or of a design file.
+/// Reads control laws that the user names: from an export, a gain file, or a design file.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,48 +16,47 @@
 
 namespace quadtune {
 
-/// Laws with what is known of them where they are a design's.
+/// Laws, with their design if they are read from a design file.
 struct GivenLaws {
   StoredLaws laws;
-  std::optional<DesignOutcome> design;  ///< solved, where the file is a design
+  std::optional<DesignOutcome> design;  ///< solved, if the file is a design
 };
 
-/// Reads what read_laws() reads, or solves the laws of a design file (.toml).
-/// @throws InvalidInput  for another file, one without a law, or a gain schedule
-/// @throws NoSolution    for a design that has no solution
+/// Reads what read_laws() accepts, or solves the laws of a design file (.toml).
+/// @throws InvalidInput  if the file is malformed, has no law, or is a gain schedule
+/// @throws NoSolution    if a design has no solution
 [[nodiscard]] GivenLaws read_given_laws(const std::string& path);
 
-/// @throws InvalidInput  for laws of another vehicle
+/// @throws InvalidInput  if the laws belong to another vehicle
 void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::string& path);
 
 struct GivenGains {
   Gains gains;
-  std::optional<Design> design;  ///< where they stood in a design file
+  std::optional<Design> design;  ///< if the gains were read from a design file
 };
 
-/// Reads what read_gains() reads; of a design file (.toml) [published], or where it has none the
-/// gains that it gives.
-/// @throws InvalidInput  for a design without gains, or with published ones of some inputs only,
-///                       and for a gain schedule.
+/// Reads what read_gains() accepts; from a design file (.toml) its [published] gains, or else the
+/// gains that the design gives.
+/// @throws InvalidInput  if a design has no gains or published gains for some inputs only, or the
+///                       file is a gain schedule
 [[nodiscard]] GivenGains read_given_gains(const std::string& path);
 
-/// @param words  the model's convention
+/// @param words  convention of the model
 /// @param path   for messages
-/// @throws InvalidInput  for gains of other states than the model's.
+/// @throws InvalidInput  if the states of the gains are not those of the model
 void require_states(const Gains& gains, const std::vector<Signal>& states, const Convention& words,
                     const std::string& path);
 
-/// K and K_int as the problem has its states, integrals and inputs.
+/// K and K_int, ordered by the states, integrals and inputs of the problem.
 struct OrderedGains {
   Eigen::MatrixXd K;      ///< (nu × nx)
   Eigen::MatrixXd K_int;  ///< (nu × ni)
 };
 
-/// Turns the gains into the design's convention and order.
+/// Converts the gains to the design's convention and order.
 /// @param path  for messages
-/// @throws InvalidInput  for the gains of another vehicle, of other inputs, states or integrals
-/// than
-///                       the problem's.
+/// @throws InvalidInput  if the gains are for another vehicle, or for other inputs, states or
+///                       integrals than those of the problem
 [[nodiscard]] OrderedGains in_order_of(const Gains& gains, const Vehicle& vehicle,
                                        const LqrDesign& design, const std::string& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The linear model of a vehicle in steady flight, or why there is none.
+/// The linear model of a vehicle at a trim, or the reason why there is none.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace quadtune {
 
-/// A vehicle with its linear model in steady flight.
+/// A vehicle with its linear model at a trim.
 struct LinearVehicle {
   Vehicle vehicle;
   FlightCondition flight;
@@ -17,7 +17,7 @@ struct LinearVehicle {
 };
 
 /// Trims and linearizes.
-/// @param where  the file or vehicle that asked for it, for NoSolution
+/// @param where  file or vehicle, for the message of NoSolution
 /// @throws NoSolution  with the trim's culprit
 [[nodiscard]] Linearization linearize_or_refuse(const Vehicle& vehicle,
                                                 const FlightCondition& condition,

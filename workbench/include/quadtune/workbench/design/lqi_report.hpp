@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State feedback for the plant that flies, with the evidence on that plant and on the ideal one.
+/// State feedback for the flown plant, with the evidence on that plant and on the ideal one.
 #pragma once
 
 #include <optional>
@@ -18,20 +18,20 @@ namespace quadtune {
 
 struct LqiReport {
   FlownLqi design;      ///< its gains have the bounds of keep_near_hover()
-  FlownLoop flown;      ///< of the complete law about a hover
-  MarginsReport ideal;  ///< of the same law with true states, rotors without lag and no delays
+  FlownLoop flown;      ///< loop of the complete law at hover
+  MarginsReport ideal;  ///< of the same law with true states, no motor lag and no delays
   std::optional<StoredEstimator> estimator;  ///< of the flown loop; none: true states
   std::vector<std::string> messages;         ///< for the user, flown_messages()
 };
 
-/// Designs by flown_lqi() and judges the result.
+/// Designs with flown_lqi() and analyses the result.
 /// @param flight  estimator and sensors are used
 /// @throws OptionError, InvalidInput, NoSolution
 [[nodiscard]] LqiReport lqi_report(const Vehicle& vehicle, const FlownLqiOptions& options,
                                    const FlightOptions& flight = {},
                                    const FlownLoopOptions& at = {});
 
-/// A hover under a state feedback, with the vehicle's own sensors unless `flight` says otherwise.
+/// A hover under a state feedback; with the vehicle's own sensors unless `flight` overrides them.
 /// @throws OptionError, InvalidInput
 [[nodiscard]] PlannedFlight hover_under(const Vehicle& vehicle, const Gains& gains,
                                         const FlightOptions& flight = {});

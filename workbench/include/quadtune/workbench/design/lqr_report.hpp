@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State feedback by LQR, of matrices and of a vehicle about a trim, with its evidence.
+/// LQR state feedback, for given matrices or for a vehicle at a trim, with its evidence.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,45 +17,45 @@
 
 namespace quadtune {
 
-/// An LQR problem of matrices.
+/// An LQR problem for given matrices.
 struct LqrProblem {
   Eigen::MatrixXd A;      ///< (nx × nx)
   Eigen::MatrixXd B;      ///< (nx × nu)
-  LqrWeights weights;     ///< per step where `discrete`, else continuous
+  LqrWeights weights;     ///< per step if `discrete`, otherwise continuous
   bool discrete = false;  ///< A and B are discrete
-  /// The continuous problem, with the input held for so long [s], > 0; not beside `discrete`.
+  /// Hold time of the input for the continuous problem [s], > 0; excludes `discrete`.
   std::optional<double> sampled = {};
 };
 
-/// What is known of its solution.
+/// The solution of an LqrProblem with its evidence.
 struct LqrReport {
-  RiccatiResult riccati;              ///< where it is not solved, the margins are empty
-  double dt = 0;                      ///< [s]; 0 of a continuous loop, 1 of a discrete problem
+  RiccatiResult riccati;              ///< if it is not solved, the margins are empty
+  double dt = 0;                      ///< [s]; 0 for a continuous loop, 1 for a discrete problem
   MarginsReport margins;              ///< at the inputs u1, u2, …
   std::vector<std::string> messages;  ///< "warning: …" and "note: …" for the user
 };
 
-/// @param evidence  none: what takes about a second, with a note of what that leaves out
+/// @param evidence  none: as much as takes about a second, with a note about what was omitted
 /// @throws InvalidInput  as lqr()
 [[nodiscard]] LqrReport lqr_report(const LqrProblem& problem,
                                    std::optional<MarginsEvidence> evidence = {});
 
-/// The same of a vehicle about a trim, whose rotors follow at once and whose states are known.
+/// The same for a vehicle at a trim, with ideal rotors and known states.
 struct VehicleLqrReport {
   LinearVehicle plant;
   LqrDesign design;
-  StateFeedback feedback;  ///< where it is not solved, all that follows is empty
+  StateFeedback feedback;  ///< if it is not solved, the following members are empty
   Gains gains;
-  Eigen::VectorXcd poles;  ///< of the loop as it flies, flying_poles()
+  Eigen::VectorXcd poles;  ///< of the loop as implemented, flying_poles()
   MarginsReport margins;   ///< of the same loop
-  /// With the rotors' lag, the sensors and the estimator. None unless has_flown_loop(), and of
-  /// gains of some states only; none with a note for a loop that cannot be analysed, e.g. because
-  /// of its sample period.
+  /// With motor lag, sensors and estimator. No value unless has_flown_loop() or if the gains use
+  /// some states only; also none, with a note, if the loop cannot be analysed, e.g. because of its
+  /// sample period.
   std::optional<FlownLoop> flown;
   std::vector<std::string> messages;  ///< "warning: …" and "note: …" for the user
 };
 
-/// @param design  in the words of the plant's model
+/// @param design  in the convention of the plant's model
 /// @throws InvalidInput  as state_feedback()
 [[nodiscard]] VehicleLqrReport lqr_report(LinearVehicle plant, LqrDesign design,
                                           MarginsEvidence evidence = MarginsEvidence::full);

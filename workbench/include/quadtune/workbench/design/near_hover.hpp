@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bounds within which a linear state feedback may be trusted with any reference.
+/// Bounds within which a linear state feedback remains valid for any reference.
 #pragma once
 
 #include "quadtune/gains.hpp"
@@ -7,12 +7,13 @@
 
 namespace quadtune {
 
-/// The tilt that a state feedback designed here may command for an error of position [rad].
-inline constexpr double kMostCommandedTilt = 0.35;
+/// Maximum tilt that a state feedback designed here commands for a position error [rad].
+inline constexpr double kMaxCommandedTilt = 0.35;
 
-/// Lets the law see the position error in heading axes, bounds that error to the length for which
-/// the vehicle comes to rest at a tilt of kMostCommandedTilt, and stops integrals at the motors'
-/// limits. Gains that do not tilt the vehicle for an error of position keep theirs unbounded.
+/// Expresses the position error of the law in heading axes, limits this error to the length for
+/// which the vehicle comes to rest at a tilt of kMaxCommandedTilt, and stops integrals at the
+/// motors' limits. The error stays unlimited if the gains do not tilt the vehicle for a position
+/// error.
 /// @param gains  of the vehicle, in the 12 states of any convention
 /// @throws InvalidInput  as state_feedback_settings()
 void keep_near_hover(const Vehicle& vehicle, Gains& gains);

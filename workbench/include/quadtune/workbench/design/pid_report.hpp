@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PID gains for a transfer function: for a crossover, by a published rule, or the best within
+/// PID gains for a transfer function: for a given crossover, by a published rule, or optimal within
 /// bounds.
 #pragma once
 
@@ -14,46 +14,46 @@
 
 namespace quadtune {
 
-/// The loop crosses 1 here, with this margin. See pid_for_crossover().
+/// Gains for a crossover with a phase margin. See pid_for_crossover().
 struct PidCrossover {
   double crossover = 0;     ///< [rad/s], > 0
   double phase_margin = 0;  ///< [deg], more than 0 and less than 180
 };
 
-/// A rule for a model of one lag and a delay, which is fitted to the plant.
+/// A tuning rule for a first-order model with delay, which is fitted to the plant.
 struct PidRule {
   std::string rule;  ///< "amigo", "simc", "ziegler-nichols", "cohen-coon" or "lambda"
-  /// Time constant of the closed loop [s], > 0, for simc and lambda; none: the model's delay, and
-  /// the greater of the delay and a third of the time constant.
+  /// Time constant of the closed loop [s], > 0, for simc and lambda. None: for simc the delay of
+  /// the model; for lambda the larger of the delay and a third of the model's time constant.
   std::optional<double> tau_c = {};
 };
 
-/// What is asked for.
+/// The requirements on the gains.
 struct PidRequest {
   PidType type = PidType::PID;
-  double Tf = 0;  ///< time constant of the derivative's filter [s], ≥ 0; a rule has its own
-  /// With PidBounds the greatest integral gain, see greatest_integral_gain().
+  double Tf = 0;  ///< time constant of the derivative filter [s], ≥ 0; a rule defines its own
+  /// PidBounds: the maximum integral gain within the bounds, see max_integral_gain().
   std::variant<PidCrossover, PidRule, PidBounds> by;
 };
 
-/// Gains, how they were found, and the margins of their loop.
+/// Gains, the method by which they were computed, and the margins of their loop.
 struct PidReport {
   PidType type = PidType::PID;
   ContinuousTransferFunction plant;
   PidGains gains;
-  std::string how;  ///< in words
-  bool needs_filter =
-      false;  ///< the derivative makes the loop improper: no margins, a Tf is needed
+  std::string how;  ///< description of the method
+  /// The derivative makes the loop improper: no margins; a Tf is needed.
+  bool needs_filter = false;
   MarginsReport margins = {};
 };
 
 /// "P", "PI", "PD" or "PID".
-/// @throws OptionError  naming "type"
+/// @throws OptionError  "type", for other words
 [[nodiscard]] PidType pid_type(const std::string& word);
 
-/// @param plant  a valid one, with its delay
-/// @throws OptionError   for numbers out of range, a rule that is not known, and a type that the
-///                       way to find gains does not have
+/// @param plant  valid, with its delay
+/// @throws OptionError   if a number is out of range, the rule is unknown, or the method does not
+///                       support the type
 /// @throws InvalidInput  as the rules
 /// @throws NoSolution    with the culprit
 [[nodiscard]] PidReport pid_report(const ContinuousTransferFunction& plant,

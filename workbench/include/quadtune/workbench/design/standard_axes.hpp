@@ -12,18 +12,18 @@
 
 namespace quadtune {
 
-/// In the order of kFlownAxes.
+/// Weights of the groups of axes, in the order of kFlownAxes.
 using StandardAxes = std::array<AxisWeights, 4>;
 
-/// Weights by Bryson's rule, a deviation at its limit costs 1: those of standard_weights(). An
-/// integral reaches its limit after 3 s at the limit of its state.
-/// @throws NoSolution  for a vehicle that cannot hover or has no authority
+/// Weights by Bryson's rule: a deviation at its limit costs 1. The limits are those of
+/// standard_weights(). An integral reaches its limit after 3 s with its state at the limit.
+/// @throws NoSolution  if the vehicle cannot hover or has no control authority
 [[nodiscard]] StandardAxes standard_axes(const Vehicle& vehicle);
 
 /// The same as weights of actuator_lqi().
 /// @param integrals  names of states of ned_convention(); the weight of an integral is that of its
-///                   state, with the time that standard_axes() gives to integrals
-/// @throws InvalidInput  for a name of no state
+///                   state, with the integration time of standard_axes()
+/// @throws InvalidInput  if a name is not that of a state
 [[nodiscard]] ActuatorLqiWeights lqi_weights(const StandardAxes& axes,
                                              const std::vector<std::string>& integrals);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The LQR that stands for a vehicle whose user has not given any weights.
+/// The default LQR of a vehicle for which no weights are given.
 #pragma once
 
 #include "quadtune/gains.hpp"
@@ -10,13 +10,13 @@
 
 namespace quadtune {
 
-/// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md: diagonal, of the 12
-/// states of ned_convention() and the wrench.
+/// Weights by Bryson's rule from the capabilities of the vehicle, see docs/cli.md: diagonal, for
+/// the 12 states of ned_convention() and the wrench.
 [[nodiscard]] LqrWeights standard_weights(const CascadeVehicle& vehicle);
 
-/// Of the hover, from the 12 states to the wrench, weights by Bryson's rule from what the vehicle
-/// can give, see docs/cli.md. The motors' lag is not in it.
-/// @param who  asked, e.g. "fly", for the message of NoSolution
+/// LQR at hover from the 12 states to the wrench with standard_weights(). The motor lag is not
+/// modelled.
+/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws NoSolution  with the culprit
 [[nodiscard]] RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& who);
 

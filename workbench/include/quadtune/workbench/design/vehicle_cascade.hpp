@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A vehicle's PID cascade, designed as `quadtune pid V` does, and how it flies.
+/// A vehicle's PID cascade, designed as by `quadtune pid V`, and its flown loop.
 #pragma once
 
 #include <optional>
@@ -17,21 +17,21 @@ namespace quadtune {
 
 struct VehicleCascade {
   bool ideal = false;               ///< whether it was designed on the textbook plant
-  CascadeReport report;             ///< its gains, and its loops about a hover
-  std::optional<FlownGains> flown;  ///< where all gains were designed at once on the flown plant
-  ExportContent content;            ///< the cascade and the estimator, as they are exported
-  std::optional<FlownLoop> loop;    ///< as it flies about a hover; none where it is not analysed
-  std::string not_analysed;         ///< then why
+  CascadeReport report;             ///< its gains, and its loops at hover
+  std::optional<FlownGains> flown;  ///< if all gains were designed at once on the flown plant
+  ExportContent content;            ///< the cascade and the estimator for an export
+  std::optional<FlownLoop> loop;    ///< flown loop at hover; none if it is not analysed
+  std::string not_analysed;         ///< reason if `loop` is empty
 };
 
-/// @param where  the file or vehicle that asked for it, for messages
-/// @throws OptionError   for a wrong value, and for options that exclude each other
+/// @param where  file or vehicle, for messages
+/// @throws OptionError   if a value is invalid, or options exclude each other
 /// @throws InvalidInput  as flown_gains()
-/// @throws NoSolution    naming the loop that cannot be had
+/// @throws NoSolution    naming the loop that cannot be designed
 [[nodiscard]] VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& options,
                                              const std::string& where);
 
-/// What the designer should know, a sentence each: "note: …" or "warning: …".
+/// Notes for the designer, one sentence each: "note: …" or "warning: …".
 [[nodiscard]] std::vector<std::string> notes_of(const VehicleCascade& cascade);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The exports that a design file asks for, written and read back.
+/// Writes the exports that a design file requests, and verifies them.
 #pragma once
 
 #include <filesystem>
@@ -14,26 +14,27 @@
 
 namespace quadtune {
 
-/// One export of a design: what was written and whether it reads back right.
+/// One export of a design: the written files and the result of their verification.
 struct WrittenExport {
   ExportKind kind = ExportKind::json;
   std::string directory;
   std::vector<ManifestFile> files;
   VerifyReport verification;
-  /// What the program that it is for changes of the design, a sentence each, e.g. by rounding.
+  /// Changes that the target program makes to the design, e.g. by rounding; one sentence each.
   std::vector<std::string> notes = {};
 };
 
-/// What puts one export into its place: write_export(), or a function around it.
+/// Writes one export to its directory: write_export(), or a wrapper of it.
 using ExportWriter = std::function<std::vector<ManifestFile>(
     const std::filesystem::path& directory, ExportKind kind, const ExportContent& content)>;
 
-/// Writes every export of the design ([[export]]) and verifies what was written. A single one goes
-/// into the directory itself, several into one folder each, named as the export's kind. All are
-/// made in memory first: what one of them cannot express keeps the others from being written.
-/// @throws InvalidInput  for a design without [[export]], or as export_files()
-/// @throws NoSolution    for a firmware with whose filters and delays a turn is unstable
-/// @throws FileError, Interrupted  as `write` does
+/// Writes every export of the design ([[export]]) and verifies the files. A single export is
+/// written to `directory` itself, several to one subfolder each, named after the kind of export.
+/// All exports are first created in memory: if one of them cannot represent the design, none is
+/// written.
+/// @throws InvalidInput  if the design has no [[export]], or as export_files()
+/// @throws NoSolution    if a rotation loop is unstable with the filters and delays of a firmware
+/// @throws FileError, Interrupted  as `write`
 [[nodiscard]] std::vector<WrittenExport> write_exports(const DesignOutcome& outcome,
                                                        const std::string& directory,
                                                        const ExportWriter& write);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a file is, by what is in it.
+/// Detects the kind of a file from its contents.
 #pragma once
 
 #include <filesystem>
@@ -26,13 +26,12 @@ enum class FileKind {
   page,
 };
 
-/// With its article: "a design file", "an export".
+/// The kind with its article: "a design file", "an export".
 [[nodiscard]] std::string to_string(FileKind kind);
 
-/// The kind of a file or folder, by its keys and its name.
-/// @return  none for what is not known, is no text, cannot be read, or is neither a regular file
-/// nor
-///          a folder
+/// Detects the kind of a file or folder from its keys and its name.
+/// @return  no value if the kind is unknown, the file is not text or cannot be read, or the path is
+///          neither a regular file nor a folder
 [[nodiscard]] std::optional<FileKind> file_kind(const std::filesystem::path& path);
 
 }  // namespace quadtune

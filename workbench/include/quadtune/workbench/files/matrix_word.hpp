@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A matrix that is written in a word, not in a file.
+/// A matrix that is given as a command-line word instead of a file.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 
 namespace quadtune {
 
-/// "0 1; 0 0", "[0 1; 0 0]" or "[[0, 1], [0, 0]]" as the lines of a matrix file, for
-/// parse_text_matrix(); none for other words, and for the name of a file that exists.
+/// Converts "0 1; 0 0", "[0 1; 0 0]" or "[[0, 1], [0, 0]]" to the lines of a matrix file, for
+/// parse_text_matrix(); no value for other words, and for the name of an existing file.
 [[nodiscard]] std::optional<std::string> matrix_lines(const std::string& word);
 
 }  // namespace quadtune

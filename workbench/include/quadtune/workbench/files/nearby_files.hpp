@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a file is missing: what is in its folder instead.
+/// Suggestions for a missing file: similar names in its folder.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace quadtune {
 
-/// The folder of a path, and the names in it that are nearest to that of the path.
+/// The folder of a path, and the names in it that are most similar to that of the path.
 struct NearbyFiles {
-  std::filesystem::path folder;    ///< "." for a path without one
-  bool exists = true;              ///< whether there is such a folder
-  std::vector<std::string> names;  ///< the nearest first, by letters to be changed
-  std::size_t more = 0;            ///< names that are left out
+  std::filesystem::path folder;    ///< "." if the path has no folder
+  bool exists = true;              ///< whether the folder exists
+  std::vector<std::string> names;  ///< most similar first, by edit distance
+  std::size_t more = 0;            ///< number of omitted names
 };
 
-/// Looks at 10,000 entries of the folder at most, and at no hidden ones. Where some have the path's
-/// extension, the others are not counted.
-/// @param most  names that are given
-[[nodiscard]] NearbyFiles nearby_files(const std::filesystem::path& path, std::size_t most);
+/// Inspects at most 10,000 entries of the folder and ignores hidden ones. If some entries have the
+/// extension of the path, only those are considered.
+/// @param most  maximum number of names
+[[nodiscard]] NearbyFiles nearby_files(const std::filesystem::path& path, std::size_t max);
 
 }  // namespace quadtune

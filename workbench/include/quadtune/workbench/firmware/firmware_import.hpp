@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A firmware's parameters on a vehicle: what they are in SI, and what margins they leave with the
-/// firmware's filters and delays.
+/// Converts a firmware's parameters on a vehicle to SI, and computes the margins of its loops with
+/// the firmware's filters and delays.
 #pragma once
 
 #include <optional>
@@ -16,30 +16,31 @@
 
 namespace quadtune {
 
-/// A turning loop as the firmware flies it, cut at the torque.
+/// A rotation loop of the firmware, cut at the torque.
 struct FirmwareTurn {
   FirmwareLoop gains;
   double inertia = 0;  ///< of the vehicle about this axis [kg m²]
-  double delay = 0;    ///< of computing, holding, gyroscope and motor commands [s]
-  double lag = 0;      ///< of the rotors [s]
+  double delay = 0;    ///< sum of the delays of computation, hold, gyroscope and motor commands [s]
+  double lag = 0;      ///< motor lag [s]
   LoopMargins rate;    ///< the loop of the rate alone
-  LoopMargins whole;   ///< with the angle's; of a firmware without one, as `rate`
+  LoopMargins whole;   ///< with the angle loop; equal to `rate` if the firmware has none
 };
 
-/// Parameters on a vehicle.
+/// The parameters of a firmware on a vehicle.
 struct FirmwareImport {
   Firmware firmware;
   Vehicle vehicle;
   std::vector<FirmwareLoop> loops;  ///< in the order of kAllCascadeAxes
   std::vector<FirmwareTurn> turns;  ///< roll, pitch, yaw
-  ExportContent content;            ///< the cascade, as `fly --gains` and others take it
-  std::optional<FlownLoop> flown;   ///< of that cascade; none where it is not analysed
-  std::vector<std::string> notes;   ///< a sentence each
+  ExportContent content;            ///< the cascade, in the form that `fly --gains` and others
+                                    ///< accept
+  std::optional<FlownLoop> flown;   ///< of that cascade; none if it is not analysed
+  std::vector<std::string> notes;   ///< one sentence each
 };
 
-/// The open loop of a turn in continuous time: gyroscope and derivative filters, the delay and the
-/// rotors' lag as the firmware's documentation has them. Theory: "Cascades of autopilots".
-/// @param angle  whether the loop of the angle is closed through the same torque
+/// The open loop of a rotation in continuous time: gyroscope and derivative filters, the delay and
+/// the motor lag as in the firmware's documentation. Theory: "Cascades of autopilots".
+/// @param angle  whether the angle loop is closed through the same torque
 [[nodiscard]] ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware,
                                                             const Vehicle& vehicle,
                                                             const FirmwareLoop& loop,
@@ -59,7 +60,7 @@ struct FirmwareImport {
                                                const std::optional<ParameterFile>& file,
                                                double dt = 0);
 
-/// Of the cascade that stands for the firmware's loops of 250 Hz to 8 kHz [s].
+/// Sample period of the cascade that represents the firmware's loops of 250 Hz to 8 kHz [s].
 inline constexpr double kFirmwarePeriod = 0.004;
 
 }  // namespace quadtune

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A firmware's controllers with their parameters as a law that flies: its structure, filters,
-/// rates and limits. Theory: docs/theory.md, "Cascades of autopilots".
+/// A firmware's controllers with their parameters as a flying law: structure, filters, rates and
+/// limits. Theory: docs/theory.md, "Cascades of autopilots".
 #pragma once
 
 #include "quadtune/cascade.hpp"
@@ -10,29 +10,31 @@
 
 namespace quadtune {
 
-/// The law, at the period of the firmware's loop of the rates.
+/// Creates the law, with the period of the firmware's rate loop.
 ///
-/// Position gives velocity, velocity an acceleration, acceleration the tilt and the thrust; angles
-/// give rates, rates torques. Each loop has the filters and the limits of the firmware and is
-/// computed as often as there; a torque acts one sample after the rates that it answers.
+/// The position loop computes a velocity set point, the velocity loop an acceleration, the
+/// acceleration gives tilt and thrust; angle loops compute rate set points, rate loops torques.
+/// Each loop has the filters and limits of the firmware and runs at its rate there; a torque acts
+/// one sample after the rates that it was computed from.
 ///
-/// Left out: notches, filters that follow the throttle (they stand at their lowest cut-off), slew
-/// limits, the shaping of set points, and what scales gains in flight (TPA, anti-gravity, iterm
-/// relax of Betaflight; the square-root controllers of ArduPilot). Commands reach the motors by
-/// quadtune's allocation, and a unit of output is the torque that it is at hover.
+/// Not modelled: notch filters, filters that depend on the throttle (modelled at their lowest
+/// cut-off), slew limits, set-point shaping, and gain scaling in flight (TPA, anti-gravity and
+/// iterm relax of Betaflight; the square-root controllers of ArduPilot). Commands are allocated to
+/// the motors by quadtune's allocation, and a unit of output is the torque that it produces at
+/// hover.
 ///
-/// @param pilot  loops that the firmware leaves to its pilot: x, y, altitude and heading of
+/// @param pilot  loops that the firmware leaves to its pilot: x, y, altitude and heading for
 ///               Betaflight
 /// @throws InvalidInput, NoSolution  as firmware_loops()
 [[nodiscard]] OwnController firmware_controller(const Vehicle& vehicle,
                                                 const StoredParameters& parameters,
                                                 const CascadeGains& pilot);
 
-/// Gives a flight with such a law the inertial sensors of an autopilot's board: a reading for each
-/// of its samples, with the noise density of the vehicle's file. An estimator of the kind `general`
-/// runs at about 200 Hz on means of these readings, and the law has the newest body rates. It keeps
-/// the numbers of FlightSetup::general_filter but the lags and variances of the inertial readings,
-/// which depend on the period.
+/// Replaces the inertial sensors of a flight with such a law by those of an autopilot board: one
+/// sample per sample of the law, with the noise density of the vehicle's file. An estimator of kind
+/// `general` runs at about 200 Hz on means of these samples, and the law uses the newest body
+/// rates. The estimator keeps the numbers of FlightSetup::general_filter except the lags and
+/// variances of the inertial samples, which depend on the period.
 /// @param setup  with the law, the estimator and the mission
 /// @throws InvalidInput  as general_filter_settings()
 void fly_on_board(FlightSetup& setup);

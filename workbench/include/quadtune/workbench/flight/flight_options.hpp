@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a mission is to be flown, in the words of `quadtune fly`.
+/// How a mission is flown, with the option names of `quadtune fly`.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace quadtune {
 
-/// Words are checked by what takes the options: a word that is not known throws OptionError.
+/// The functions that use the options validate their words: an unknown word throws OptionError.
 struct FlightOptions {
   std::string vehicle;  ///< name or file
   std::string mission = "hover";
-  std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: what the gains are
+  std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: according to the gains
   std::string gains;       ///< a file, an export, "designed" or "published"; empty: "designed"
   std::string integrator;  ///< "euler", "backward-euler", "tustin"; empty: the gains' own
-  std::string estimator;   ///< "mambo", "mambo-original", "mambo-raw", "uquad", "truth"; empty: by
-                           ///< the sensors
-  std::string flow;        ///< "full", "simplified", "off"; empty: "full"
+  /// "mambo", "mambo-original", "mambo-raw", "uquad", "truth"; empty: according to the sensors.
+  std::string estimator;
+  std::string flow;                 ///< "full", "simplified", "off"; empty: "full"
   std::optional<double> flow_rate;  ///< [Hz]; none: the vehicle's
   std::string sensors;              ///< "ideal", "real"; empty: "real"
   std::string wind = "calm";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From options in words to a flight that can be flown, and what was chosen where they say nothing.
+/// Converts options to a flight setup, and reports the defaults that were chosen.
 #pragma once
 
 #include <optional>
@@ -16,33 +16,34 @@
 
 namespace quadtune {
 
-/// A setup, and in words what was chosen for it.
+/// A flight setup, with a description of its choices.
 struct PlannedFlight {
   FlightSetup setup;
-  FlightOptions options = {};            ///< that it was planned from
+  FlightOptions options = {};            ///< from which it was planned
   std::string law;                       ///< ChosenLaw::words
   std::optional<MarginsReport> margins;  ///< ChosenLaw::margins
   std::string estimator;                 ///< e.g. "mambo"
   std::string sensors;                   ///< "real" or "ideal"
-  std::string wind;                      ///< as it was asked for
-  std::vector<std::string> notes;        ///< what the user should know of a choice
-  /// What the sensors can know along the mission; none where nothing limits the knowledge.
+  std::string wind;                      ///< as in the options
+  std::vector<std::string> notes;        ///< notes about the choices, for the user
+  /// Bound on the estimate along the mission; none if the sensors do not limit it.
   std::optional<MissionBound> bound = {};
-  std::vector<WidenedLimit> widened = {};  ///< limits of setup.mission that the bound has widened
+  std::vector<WidenedLimit> widened = {};  ///< limits of setup.mission that were widened to the
+                                           ///< bound
 };
 
-/// Where nothing is said: published gains of a vehicle that has them, ideal sensors, a take-off by
-/// constant thrust and commands that are clipped at the motors' limits, as the model project flew
-/// its experiments.
-/// @throws OptionError  for a word that is no controller
+/// Sets the unset options as in the experiments of the model project: published gains if the
+/// vehicle has them, ideal sensors, a take-off with constant thrust, and commands that are clipped
+/// at the motors' limits.
+/// @throws OptionError  if the controller is unknown
 [[nodiscard]] FlightOptions as_the_model_project(FlightOptions options);
 
-/// Refuses words that no option knows, before anything is designed or flown.
-/// @throws OptionError
+/// Rejects unknown words of the options before anything is designed or flown.
+/// @throws OptionError  naming the option
 void require_flight_words(const FlightOptions& options);
 
-/// The vehicle, mission and law that the options name.
-/// @param who  asked, e.g. "fly", for the message of NoSolution
+/// Plans a flight with the vehicle, mission and law that the options name.
+/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws OptionError, InvalidInput, FileError, NoSolution
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const std::string& who);
 
@@ -50,23 +51,23 @@ void require_flight_words(const FlightOptions& options);
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                                         const std::string& who);
 
-/// The same for a vehicle, a mission and a law in memory; their options are not looked at.
+/// The same for a vehicle, a mission and a law in memory; the options that name them are ignored.
 /// @throws OptionError, InvalidInput
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                                         const Mission& mission, const ChosenLaw& law);
 
-/// Why a vehicle's own sensors feed no estimator, in words; empty: they feed one.
+/// Why the vehicle's own sensors do not suffice for any estimator; empty if they do.
 [[nodiscard]] std::string why_no_estimator(const Vehicle& vehicle);
 
-/// The estimator of a flight of the vehicle with its own sensors, with its numbers.
-/// @param name  as FlightOptions::estimator; empty: by the sensors
+/// The estimator, with its numbers, of a flight of the vehicle with its own sensors.
+/// @param name  as in FlightOptions::estimator; empty: according to the sensors
 /// @param dt    control period [s]
-/// @return      none for true states
+/// @return      no value for true states
 [[nodiscard]] std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle,
                                                               const std::string& name, double dt);
 
-/// Has every control period of the flight kept.
-/// @throws OptionError  for a flight whose record would not fit into memory
+/// Enables logging of every control period of the flight.
+/// @throws OptionError  if the log would not fit into memory
 void keep_log(PlannedFlight& plan);
 
 }  // namespace quadtune

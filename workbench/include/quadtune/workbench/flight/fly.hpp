@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A vehicle flies a mission, and whether it flew well.
+/// Flies a mission with a vehicle and evaluates the flight.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace quadtune {
 
-/// One of several flights that differ in their seed alone.
+/// The verdict of one of several flights that differ only in their seed.
 struct SeedVerdict {
   std::uint64_t seed = 0;
   bool passed = false;
@@ -31,62 +31,62 @@ struct SeedVerdict {
 struct FlownFlight {
   PlannedFlight plan;
   FlightResult result;
-  Verdict verdict;    ///< by the mission's limits
+  Verdict verdict;    ///< according to the mission's limits
   double wall_s = 0;  ///< computing time [s]
   bool passed = false;
-  /// The flown loop about the mission's hover, if judge_loop() was called. A flight with an
-  /// unstable loop has not passed.
+  /// The flown loop at the mission's hover, if judge_loop() was called. A flight with an unstable
+  /// loop fails.
   std::optional<FlownLoop> loop = {};
-  /// Of the flights that worst_of() combined; empty for a single flight.
+  /// of the flights that worst_of() combined; empty for a single flight
   std::vector<SeedVerdict> seeds = {};
   std::string variant = {};  ///< "gust" or "load" for a disturbed flight of a design, else empty
 };
 
-/// The flown loop of a plan about a hover at its mission's height, without margins; none where no
-/// law flies: a motor test, and a vehicle that is carried.
+/// The flown loop of a plan at a hover at its mission's height, without margins; none if no law
+/// flies, that is for a motor test and for a carried vehicle.
 /// @throws InvalidInput  as flown_loop()
 [[nodiscard]] std::optional<FlownLoop> hover_loop(const PlannedFlight& plan);
 
-/// Analyses the flown loop of a flight at the height of its hover, and fails the flight if it is
-/// unstable. Does nothing for a flight without a control law.
+/// Analyses the flown loop of a flight at the height of its hover, and fails the flight if the loop
+/// is unstable. Does nothing for a flight without a control law.
 /// @throws InvalidInput  as flown_loop()
 void judge_loop(FlownFlight& flight);
 
-/// Plans, flies and judges: what `quadtune fly` does, for a vehicle in memory.
+/// Plans, flies and evaluates a flight as `quadtune fly` does, for a vehicle in memory.
 ///
 ///     const FlownFlight hover = fly(load_vehicle("mambo"));
 ///     for (const std::string& why : reasons(hover)) std::cerr << why << '\n';
 ///
 /// @param options  `vehicle` is ignored
-/// @param stop     called from time to time; if it returns true the flight ends with Interrupted
-/// @throws OptionError   for a value that an option does not accept, naming the option
-/// @throws InvalidInput  for a mission or a file of gains that cannot be flown
+/// @param stop     called regularly; if it returns true, Interrupted is thrown
+/// @throws OptionError   if an option does not accept its value; names the option
+/// @throws InvalidInput  if the mission or a gain file cannot be flown
 /// @throws NoSolution    if no law can be designed
 /// @throws FileError, Interrupted
 [[nodiscard]] FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options = {},
                               const std::function<bool()>& stop = {});
 
-/// Flies and judges a planned flight.
+/// Flies and evaluates a planned flight.
 /// @param stop  as fly()
 [[nodiscard]] FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop = {});
 
 /// Flies a planned flight with the seeds s, s + 1, …, s + count - 1, where s is the plan's.
 /// @param count  ≥ 1
-/// @return       as fly_planned() flies each of them
+/// @return       one result of fly_planned() per seed
 /// @throws       as fly()
 [[nodiscard]] std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
                                                  const std::function<bool()>& stop = {});
 
 /// Sets the law and the estimator of the options to those of the program in `options.gains`, an
-/// export of flight code; "truth" where the program takes the estimate from its caller.
-/// @throws OptionError              for other words there, or an integrator
-/// @throws FileError, InvalidInput  for what is no export of flight code
+/// export of flight code; "truth" if the program expects the estimate from its caller.
+/// @throws OptionError              if the options name another law or estimator, or an integrator
+/// @throws FileError, InvalidInput  if the path is not an export of flight code
 void take_program(FlightOptions& options);
 
-/// Flies a planned flight as fly_seeds() by an export of flight code: its program is compiled, and
-/// has the place of the law, the estimator and the allocation.
-/// @param directory  of the export, of which the law of the plan was read
-/// @throws OptionError              for a plan whose commands are clipped
+/// Flies a planned flight as fly_seeds() does, but with the compiled program of an export of flight
+/// code instead of the law, the estimator and the allocation.
+/// @param directory  export from which the law of the plan was read
+/// @throws OptionError              if the plan clips its commands
 /// @throws FileError, InvalidInput  as CompiledProgram
 [[nodiscard]] std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan,
                                                     const std::string& directory,
@@ -97,14 +97,14 @@ void take_program(FlightOptions& options);
 /// @param flights  at least one
 [[nodiscard]] FlownFlight worst_of(std::vector<FlownFlight> flights);
 
-/// "tilt_max" as "greatest tilt".
+/// The label of a metric, e.g. "maximum tilt" for "tilt_max".
 [[nodiscard]] std::string label_of(Metric metric);
 
-/// A metric's value with its unit: "0.0123 m", "none" where it has none, "never" where it is
+/// A metric's value with its unit: "0.0123 m"; "none" if it has no value, "never" if it is
 /// infinite.
-[[nodiscard]] std::string in_words(Metric metric, double value);
+[[nodiscard]] std::string describe(Metric metric, double value);
 
-/// Why a flight did not pass, a sentence each; empty where it did.
+/// Why a flight failed, one sentence each; empty if it passed.
 [[nodiscard]] std::vector<std::string> reasons(const FlownFlight& flight);
 
 }  // namespace quadtune

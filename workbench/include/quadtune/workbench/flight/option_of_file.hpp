@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An option that a file sets: its refusal names the place in the file.
+/// Reports an invalid option of a file with its place in the file.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace quadtune {
 
-/// Calls `function`, which reads options that stand in a file.
+/// Calls `function`, which uses options that were read from a file.
 /// @param where  "file:line"
-/// @throws InvalidInput  in place of OptionError, with `where` before its message
+/// @throws InvalidInput  instead of OptionError, with `where` before its message
 template <class Function>
 auto option_of_file(const std::string& where, Function&& function) {
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How much a hovering vehicle moves because of the errors of its sensors: the covariance of the
-/// flown loop. Theory: docs/theory.md, "Predicted deviations".
+/// Motion of a hovering vehicle due to the errors of its sensors, from the covariance of the flown
+/// loop. Theory: docs/theory.md, "Predicted deviations".
 #pragma once
 
 #include <Eigen/Core>
@@ -12,20 +12,19 @@ namespace quadtune {
 
 /// Standard deviations over many flights, in calm air.
 struct PredictedRms {
-  double time = 0;          ///< since the vehicle was at rest with all states known [s]
+  double time = 0;          ///< since the vehicle was at rest with known states [s]
   Eigen::VectorXd state;    ///< (12) of the true states of ned_convention()
   Eigen::VectorXd error;    ///< (12) of the estimates' errors
   Eigen::VectorXd command;  ///< (nu) of the law's commands
-  /// (12) Of the states, the part that the product of pitch rate and roll adds, by which the
-  /// heading turns: contained in `state` and, likewise, in `command`. It grows with the noise
-  /// squared.
+  /// (12) For each state, the contribution of the product of pitch rate and roll, which turns the
+  /// heading; included in `state` and in `command`. It grows with the square of the noise.
   Eigen::VectorXd turned;
 };
 
 /// @param time  [s], > 0. States that the sensors observe are stationary after some seconds; the
-///              others drift for ever.
-/// @return      infinite entries for a loop that is not stable
-/// @throws InvalidInput  as flown_plant(), or for a time that is not positive
+///              others drift without bound.
+/// @return      infinite entries if the loop is unstable
+/// @throws InvalidInput  as flown_plant(), or if the time is not positive
 [[nodiscard]] PredictedRms predicted_rms(const PlannedFlight& plan, double time,
                                          const FlownLoopOptions& options = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The flown loop of a law for several vehicles of a box: a search, not a proof.
+/// The flown loop of a law for several vehicles of an uncertainty box: a search, not a proof.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,26 +13,26 @@
 
 namespace quadtune {
 
-/// The least stable of the vehicles that were analysed.
+/// The least stable vehicle of those analysed.
 struct FlownBox {
   int vehicles = 0;                ///< number of vehicles analysed
-  std::optional<FlownLoop> worst;  ///< of the largest |z|; none if there is no flown plant
-  Eigen::VectorXd parameters;      ///< of that vehicle, as the family's
+  std::optional<FlownLoop> worst;  ///< loop with the largest |z|; none if there is no flown plant
+  Eigen::VectorXd parameters;      ///< of that vehicle, in the order of the family's
   std::string why;                 ///< why there is no flown plant; otherwise empty
 };
 
 struct FlownBoxOptions {
-  Eigen::VectorXd also;     ///< parameters of one more vehicle to look at; empty: none
-  std::size_t threads = 0;  ///< at most so many at once; 0: one for each processor
+  Eigen::VectorXd also;     ///< parameters of one more vehicle to analyse; empty: none
+  std::size_t threads = 0;  ///< maximum number of threads; 0: one per processor
   std::function<bool()> interrupted = {};
 };
 
-/// Computes the poles of the flown loop at the nominal vehicle and at corners of the box, where all
-/// moments of inertia are at the same end. The law and the estimator are those of the plan and know
-/// nothing of the difference.
-/// @param family  of uncertain_hover(): its parameters are mass, inertia x, y, z, thrust, lag,
-/// delay
-/// @throws InvalidInput  for a family of other parameters
+/// Computes the poles of the flown loop at the nominal vehicle and at corners of the box where all
+/// moments of inertia are at the same end. Law and estimator are those of the plan and do not
+/// depend on the vehicle.
+/// @param family  from uncertain_hover(): its parameters are mass, inertia x, y, z, thrust, lag,
+///                delay
+/// @throws InvalidInput  if the family has other parameters
 /// @throws Interrupted
 [[nodiscard]] FlownBox flown_box(const PlannedFlight& plan, const LoopFamily& family,
                                  const FlownBoxOptions& options = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether control laws hold the vehicle that flies, as a question of `verify` and `design`.
+/// Checks of `verify` and `design` that control laws stabilize the flown vehicle.
 #pragma once
 
 #include <optional>
@@ -21,18 +21,19 @@ namespace quadtune {
 struct FlownLaw {
   std::string name;               ///< "state feedback" or "PID cascade"
   std::optional<FlownLoop> loop;  ///< none if it cannot be analysed
-  std::string problem;            ///< of an unstable loop which changes would stabilize it, or why
-                                  ///< it cannot be analysed; empty: none
+  /// For an unstable loop the changes that would stabilize it, or why it cannot be analysed; empty:
+  /// none.
+  std::string problem;
 
   [[nodiscard]] bool holds() const { return loop && !loop->grows(); }
 };
 
-/// Analyses the flown loop of each law about a hover at 1.1 m, with the sensors of the vehicle and
-/// the estimator that they feed.
+/// Analyses the flown loop of each law at a hover at 1.1 m, with the sensors of the vehicle and the
+/// estimator that they support.
 ///
-/// @param gains      none unless has_flown_loop(), nor for gains without a sample period
+/// @param gains      not analysed unless has_flown_loop(), nor without a sample period
 /// @param cascade    a PID cascade
-/// @param estimator  that the laws were designed with; none: by the convention of the gains
+/// @param estimator  with which the laws were designed; none: according to the gains' convention
 /// @param margins    whether margins of the state feedback's loops are computed
 /// @throws NoSolution  if the vehicle cannot fly the trim of the gains
 [[nodiscard]] std::vector<FlownLaw> flown_laws(const Vehicle& vehicle,
@@ -41,7 +42,7 @@ struct FlownLaw {
                                                const std::optional<StoredEstimator>& estimator = {},
                                                bool margins = false);
 
-/// One check for each law: the detail names the mode of the largest |z|, and the problem.
+/// One check per law; its detail names the mode with the largest |z|, and the problem.
 [[nodiscard]] std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws);
 
 /// The estimator of the flight program that reads gains of a convention, as its exporter names it
@@ -49,10 +50,10 @@ struct FlownLaw {
 [[nodiscard]] std::string estimator_of_program(const Vehicle& vehicle,
                                                const std::string& convention);
 
-/// A hover under an exported law, as flown_laws() analyses it.
-/// @param stored      estimator that the law was designed with
-/// @param convention  of the gains; without a stored estimator it chooses that of its flight
-///                    program; empty: by the sensors
+/// A hover under an exported law, as analysed by flown_laws().
+/// @param stored      estimator with which the law was designed
+/// @param convention  of the gains; without a stored estimator it selects that of its flight
+///                    program; empty: according to the sensors
 /// @throws InvalidInput
 [[nodiscard]] PlannedFlight hover_under(const Vehicle& vehicle, const Controller& controller,
                                         const std::optional<StoredEstimator>& stored,

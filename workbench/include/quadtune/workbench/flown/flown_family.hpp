@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The flown plants of one vehicle that a law has to control: at several heights, and lighter,
-/// heavier, with quicker and slower rotors than its file states.
+/// The flown plants of one vehicle for which a law is designed: at several heights, and with lower
+/// and higher mass and shorter and longer motor lag than its file states.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace quadtune {
 struct FlownFamilyMember {
   std::string name;     ///< e.g. "at 3 m", "20 % lighter, lag 40 % longer"
   double height = 1.1;  ///< of the hover [m]
-  double mass = 1;      ///< factors of what the vehicle file states
+  double mass = 1;      ///< factors on the values of the vehicle file
   double lag = 1;
   bool nominal = true;  ///< both factors are 1
   FlownPlant plant;
@@ -25,7 +25,7 @@ struct FlownFamilyMember {
 /// @param dt         control period of the law [s]
 /// @param estimator  as FlightOptions::estimator; empty: the vehicle's usual one
 /// @throws InvalidInput  as flown_plant()
-/// @throws OptionError   for an estimator that is not known
+/// @throws OptionError   if the estimator is unknown
 [[nodiscard]] std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs,
                                                           double dt,
                                                           const std::string& estimator = "");

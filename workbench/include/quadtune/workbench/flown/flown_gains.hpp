@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains of a given structure, for the PID cascade and for programs that hold one matrix, designed
-/// on the flown plants of a vehicle. Theory: docs/theory.md, "Gains of a given structure".
+/// Gains with a given structure, for the PID cascade and for programs with a single gain matrix,
+/// designed on the flown plants of a vehicle. Theory: docs/theory.md, "Gains of a given structure".
 #pragma once
 
 #include <Eigen/Core>
@@ -19,12 +19,13 @@
 
 namespace quadtune {
 
-/// The gains of one group of axes and what they achieve.
+/// The gains of one group of axes and their results.
 struct FlownAxisGains {
   FlownAxis axis = FlownAxis::north;
-  /// u = -F y, y the estimates of states_of(axis) and the integral of the first.
+  /// u = -F y, where y are the estimates of states_of(axis) and the integral of the first of them.
   Eigen::RowVectorXd F;
-  double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s], see with_tilt_integral(); 0: no Ki
+  double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s], see with_tilt_integral(); 0: no
+                             ///< integral
   FixedGainsResult search;
   std::vector<LoopMargins> margins;  ///< at the law's output, of each member of the family
 };
@@ -32,40 +33,41 @@ struct FlownAxisGains {
 struct FlownGains {
   std::vector<FlownAxisGains> axes;  ///< in the order of kFlownAxes
   std::vector<FlownFamilyMember> family;
-  std::vector<std::string> notes;  ///< what the designer should know, e.g. a bound that is not met
+  std::vector<std::string> notes;  ///< for the designer, e.g. about a bound that is not met
 
-  /// The smallest margins of the nominal members; off-nominal ones are stable only.
+  /// The worst margins of the nominal members; the other members are only required to be stable.
   [[nodiscard]] double Ms() const;
   [[nodiscard]] double disk() const;
 };
 
-/// The tilt [rad] that a loop without an integral may leave under the torque of a motor that makes
-/// 10 % less thrust than the others at hover.
-inline constexpr double kGreatestLoadTilt = 0.1;
+/// The maximum tilt [rad] that a loop without an integral may have under the torque of a motor that
+/// produces 10 % less thrust than the others at hover.
+inline constexpr double kMaxLoadTilt = 0.1;
 
 struct FlownGainsOptions {
   double dt = 0.005;    ///< control period [s], > 0
   double now = 0;       ///< as with_integrals(): 0 for a cascade, 1 for state feedback
-  MarginBounds bounds;  ///< of the nominal members
-  /// Whether the tilt loops get an integral where a motor that is 10 % weaker would tilt the
-  /// vehicle by more than kGreatestLoadTilt.
+  MarginBounds bounds;  ///< for the nominal members
+  /// Whether the tilt loops get an integral if a motor that is 10 % weaker would tilt the vehicle
+  /// by more than kMaxLoadTilt.
   bool tilt_integral = true;
-  /// p_pi: every loop of the cascade can be flown as a gain before a PI controller of the rate.
+  /// p_pi: every loop of the cascade must be representable as a gain followed by a PI controller of
+  /// the rate.
   CascadeStructure structure = CascadeStructure::pid;
   std::optional<StandardAxes> weights = {};  ///< none: standard_axes()
   std::string estimator = "";                ///< as flown_family()
 };
 
-/// Minimizes a quadratic cost with weights by Bryson's rule over the family of flown plants, within
-/// bounds on the margins of every nominal member; the other members stay stable.
+/// Minimizes a quadratic cost with weights by Bryson's rule over the family of flown plants, with
+/// bounds on the margins of every nominal member; the other members must be stable.
 /// @throws InvalidInput, OptionError  as flown_family()
-/// @throws NoSolution    if no gains were found that stabilize every member
+/// @throws NoSolution    if no gains are found that stabilize every member
 [[nodiscard]] FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options = {});
 
 /// The same gains as a cascade: x and y command pitch and roll.
 [[nodiscard]] CascadeGains as_cascade(const FlownGains& gains, double dt);
 /// The same gains as state feedback with integrals of px, py, pz and yaw in heading axes.
-/// @throws InvalidInput  for gains whose tilt loops have an integral, which no such matrix holds
+/// @throws InvalidInput  if a tilt loop has an integral, which such a matrix cannot represent
 [[nodiscard]] Gains as_state_feedback(const FlownGains& gains, const Vehicle& vehicle, double dt);
 
 }  // namespace quadtune

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The flown loop of a planned flight about a hover: whether it is stable, its margins, and its
-/// slowest or unstable mode.
+/// The flown loop of a planned flight at hover: whether it is stable, its margins, and its slowest
+/// or unstable mode.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace quadtune {
 /// The operating point of the analysis, in addition to the plan.
 struct FlownLoopOptions {
   double height = 1.1;  ///< of the hover above the ground [m], > 0
-  /// From the law's output to the rotors [s], 0 to kMostDelayPeriods control periods.
+  /// Delay from the law's output to the rotors [s], 0 to kMaxDelayPeriods control periods.
   double command_delay = 0;
   /// Simultaneous margins of several channels are never computed.
   MarginsEvidence evidence = MarginsEvidence::essential;
@@ -30,15 +30,15 @@ struct FlownLoop {
   std::size_t period = 1;          ///< N: the sample clocks repeat after N control periods
   std::string estimator;           ///< PlannedFlight::estimator
   std::string sensors;             ///< PlannedFlight::sensors
-  NamedMode mode;                  ///< of the largest |z|
+  NamedMode mode;                  ///< mode with the largest |z|
   MarginsReport margins;           ///< at the law's outputs
   std::vector<Signal> drifts;      ///< FlownPlant::drifts
   std::vector<std::string> notes;  ///< FlownPlant::notes
 
-  /// Whether every mode about the hover decays.
+  /// Whether every mode decays.
   [[nodiscard]] bool stable() const { return std::abs(mode.z) < 1; }
-  /// Whether a mode grows by more than a thousandth in ten seconds. A neutral mode does not count:
-  /// an estimate that no sensor corrects has |z| = 1.
+  /// Whether a mode grows by more than 0.1 % in ten seconds. A neutral mode does not count: an
+  /// estimate that no sensor corrects has |z| = 1.
   [[nodiscard]] bool grows() const { return decay() < -1e-4; }
   /// Decay rate of the mode with the largest |z| [1/s]; negative if it grows.
   [[nodiscard]] double decay() const;
@@ -46,18 +46,18 @@ struct FlownLoop {
   [[nodiscard]] double frequency() const;
 };
 
-/// The plant that a setup flies, at the operating point of an analysis.
+/// The options of the flown plant of a setup at the operating point of an analysis.
 [[nodiscard]] FlownPlantOptions plant_options(const FlightSetup& setup,
                                               const FlownLoopOptions& options);
 
 /// @throws InvalidInput  as flown_plant()
 [[nodiscard]] FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options = {});
 
-/// Describes the mode of the largest |z|: "py, v and roll: doubles in 1.3 s, at 1.76 rad/s".
-[[nodiscard]] std::string in_words(const FlownLoop& loop);
+/// Describes the mode with the largest |z|: "py, v and roll: doubles in 1.3 s, at 1.76 rad/s".
+[[nodiscard]] std::string describe(const FlownLoop& loop);
 
-/// States which of these changes would stabilize an unstable loop: true states, sensors without
-/// delay, rotors without lag, half the gains. One clause; if none does, it states that.
+/// Names the changes that would stabilize an unstable loop: true states, sensors without delay,
+/// rotors without lag, half the gains. One clause; it also states if none of them does.
 /// @throws InvalidInput  as flown_loop()
 [[nodiscard]] std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a user should be told of a law and of its flown loop.
+/// Messages for the user about a law and its flown loop.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace quadtune {
 
-/// "note: …" for each of `notes`, of flown_notes() and of margin_notes(); "warning: …" of a loop
-/// that grows, and of margin_warnings().
-/// @param notes  of the law's design
+/// "note: …" for each of `notes`, of flown_notes() and of margin_notes(); "warning: …" for a loop
+/// that grows, and for margin_warnings().
+/// @param notes  from the law's design
 [[nodiscard]] std::vector<std::string> flown_messages(const std::vector<std::string>& notes,
                                                       const FlownLoop& flown);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One law at several control periods, each on the plant that flies at that period.
+/// One law at several control periods, each on the flown plant of that period.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,14 @@ namespace quadtune {
 struct FlownPeriod {
   double dt = 0;                  ///< [s]
   std::optional<FlownLoop> loop;  ///< none if there is no flown plant at this period
-  std::string why;                ///< then the reason, otherwise empty
+  std::string why;                ///< the reason if `loop` is none, otherwise empty
 };
 
-/// The flown loop of the same gains at each period, with the vehicle's own sensors and its usual
-/// estimator. The gains stay as they are; sampled integrals are those of the period.
-/// @param law      without memory of its own commands, which belongs to one period
+/// The flown loop of the same gains at each period, with the vehicle's own sensors and its default
+/// estimator. The gains are not changed; sampled integrals use the period.
+/// @param law      without a memory of its own commands, which is specific to one period
 /// @param periods  [s], > 0
-/// @throws InvalidInput  for a law with memory; as plan_flight()
+/// @throws InvalidInput  if the law has such a memory; as plan_flight()
 [[nodiscard]] std::vector<FlownPeriod> flown_at_periods(const Vehicle& vehicle,
                                                         const Controller& law,
                                                         const std::vector<double>& periods);

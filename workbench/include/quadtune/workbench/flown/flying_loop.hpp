@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The loop of state feedback gains as it flies: its gains with their words, poles, margins, model.
+/// The loop of state feedback gains as implemented: named gains, poles, margins and model.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,11 +15,11 @@
 
 namespace quadtune {
 
-/// The gains of a solved design with all that is needed to apply them.
+/// The gains of a solved design with all data that are needed to apply them.
 [[nodiscard]] Gains make_gains(const Vehicle& vehicle, const Linearization& model,
                                const LqrDesign& lqr, const StateFeedback& feedback);
 
-/// Poles of the loop as it flies: sampled if the law is, else continuous.
+/// Poles of the loop as implemented: discrete if the law is sampled, otherwise continuous.
 [[nodiscard]] Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
                                             const RiccatiResult& riccati);
 
@@ -28,12 +28,11 @@ namespace quadtune {
                                            const RiccatiResult& riccati,
                                            MarginsEvidence evidence = MarginsEvidence::full);
 
-/// The continuous model of gains that came from elsewhere: the vehicle in the flight that gains.x0
-/// names.
-/// @throws NoSolution  if the vehicle has no such trim.
+/// The continuous model for gains from another source: the vehicle linearized at gains.x0.
+/// @throws NoSolution  if the vehicle has no such trim
 [[nodiscard]] Linearization linearization_of(const Vehicle& vehicle, const Gains& gains);
 
-/// The same in the gains' sample time.
+/// The same, sampled with the sample time of the gains.
 [[nodiscard]] VerifyModel model_of(const Vehicle& vehicle, const Gains& gains);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The Allan deviation of a still sensor's log.
+/// The Allan deviation from the log of a stationary sensor.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ namespace quadtune {
 /// @throws OptionError  "taus", for other words
 [[nodiscard]] AllanTaus allan_taus(const std::string& word);
 
-/// What is analysed: a rate, evenly sampled.
+/// The analysed data: an evenly sampled rate.
 struct AllanRecord {
   std::string log;
   std::string column;
@@ -28,17 +28,17 @@ struct AllanRecord {
   bool phase = false;                      ///< the column is the rate's integral
 };
 
-/// Which channel of which log.
+/// Selects a channel of a log.
 struct AllanOptions {
-  std::string log;     ///< a file that open_log() reads
-  std::string column;  ///< a name or, of a text, a number from 1
-  std::string unit;    ///< of the column; empty: as the log says
-  /// The column is the rate's integral, in s, or an angle in rad or deg. An angle may be kept
-  /// within a turn: whole turns are added where it jumps by more than half of one.
+  std::string log;     ///< a file that open_log() accepts
+  std::string column;  ///< a name, or the number of a text column, from 1
+  std::string unit;    ///< of the column; empty: as stated in the log
+  /// Whether the column is the rate's integral, in s, or an angle in rad or deg. A wrapped angle is
+  /// unwrapped: whole turns are added at jumps of more than half a turn.
   bool phase = false;
   AllanTaus taus = AllanTaus::octaves;
   LogOptions reading = {};
-  LogNote note = {};  ///< takes warnings
+  LogNote note = {};  ///< receives warnings
 };
 
 /// A record and its Allan deviation.
@@ -47,15 +47,15 @@ struct SensorAllan {
   AllanAnalysis analysis;
 };
 
-/// Reads a still sensor's channel and finds its noises.
-/// @throws InvalidInput  for a gap in the log, and as read_sensors() and analyse_allan()
+/// Reads a channel of a stationary sensor and identifies its noises.
+/// @throws InvalidInput  if the log has a gap, and as read_sensors() and analyse_allan()
 /// @throws MissingOption, FileError  as read_sensors()
 [[nodiscard]] SensorAllan allan_of_log(const AllanOptions& options);
 
 /// The same for the simulated rate of a gyroscope whose noise is known.
 /// @param seed  of its noise
 /// @param unit  of the rate in the result; empty: rad/s
-[[nodiscard]] SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit,
-                                           AllanTaus taus);
+[[nodiscard]] SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit,
+                                             AllanTaus taus);
 
 }  // namespace quadtune

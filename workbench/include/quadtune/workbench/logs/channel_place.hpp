@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Channels of a flight that stand in several logs.
+/// Channels of a flight that are stored in several logs.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace quadtune {
 
-/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
+/// A channel reference: "px" in the log itself, or "px@FILE" in another log of the same flight.
 struct ChannelPlace {
   std::string channel, file;
 };
 
-/// @param log  the log itself
+/// @param log  path of the log itself
 [[nodiscard]] ChannelPlace channel_place(const std::string& word, const std::string& log);
 
-/// The refusal of a channel that a file lacks, with how one of another file is named.
+/// The error for a channel that a file lacks; explains how to name a channel of another file.
 [[nodiscard]] InvalidInput lacks_channel(const UnknownChannel& lacking);
 
-/// As read_log_channels(); what the file lacks is refused as lacks_channel() says.
+/// As read_log_channels(), with lacks_channel() as the error for a missing channel.
 [[nodiscard]] LogChannels read_channels(const std::string& file,
                                         const std::vector<std::string>& names,
                                         const LogOptions& options,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Messages about a log, passed on while it is read.
+/// Messages about a log, forwarded while it is read.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@ namespace quadtune {
 /// follows. May be empty.
 using LogNote = std::function<void(const std::string& line)>;
 
-/// One line for each thing that is wrong with the file itself, or odd about how it was taken.
+/// One line for each defect of the file or irregularity of its recording.
 [[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
 
-/// The same with the file's name before each.
-/// @param file  what messages call it
-/// @param note  takes each of them, after "warning: "
+/// The same, with the file's name before each.
+/// @param file  name of the file in messages
+/// @param note  receives each of them, after "warning: "
 [[nodiscard]] std::vector<std::string> noted_log_warnings(const LogCondition& condition,
                                                           const std::string& file,
                                                           const LogNote& note);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An option that the content of a log makes necessary.
+/// The error for an option that the content of a log requires.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace quadtune {
 
-/// An option is missing that the content of a log requires.
+/// An option that the content of a log requires is missing.
 class MissingOption : public InvalidInput {
  public:
   /// @param option   its key, e.g. "rate"
-  /// @param message  what() as a whole, e.g. "no sample rate came, expected --rate HZ"
+  /// @param message  complete what(), e.g. "no sample rate; expected --rate HZ"
   MissingOption(std::string option, const std::string& message)
       : InvalidInput(Whole{}, std::move(option), message) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a filter runs over its logs with the covariances before and after its noise was tuned.
+/// Filter runs over the logs with the covariances before and after tuning.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,22 @@
 
 namespace quadtune {
 
-/// Innovations and states of one record of N instants.
+/// Innovations and states of one record with N instants.
 struct NoiseRun {
-  SampleMatrix innovation;        ///< (ny × N) as FilterRun
+  SampleMatrix innovation;        ///< (ny × N) as in FilterRun
   SampleMatrix variance;          ///< (ny × N) of the innovations
-  std::vector<RunningSize> size;  ///< of each output, over a fiftieth of its innovations, 20 … 500
-  bool smoothed = false;          ///< the states; else they are the filter's
+  std::vector<RunningSize> size;  ///< for each output, over a fiftieth of its innovations, 20 … 500
+  bool smoothed = false;          ///< whether the states are those of the smoother, otherwise of
+                                  ///< the filter
   SampleMatrix x, x_variance;     ///< (nx × N) means, and their variances
 };
 
-/// The runs over one record. The gates of the sensors are open, since the record no longer contains
-/// the samples that they reject.
+/// The runs over one record. The gates of the sensors are open, because the record no longer
+/// contains the samples that they reject.
 struct NoiseRuns {
-  std::size_t fitted = 0;                 ///< instants that the fit saw: its beginning
-  std::optional<NoiseRun> before, after;  ///< none where the filter did not get through
+  std::size_t fitted = 0;                 ///< number of instants used in the fit, from the
+                                          ///< beginning
+  std::optional<NoiseRun> before, after;  ///< none if the filter failed
 };
 
 struct ParameterProfile {
@@ -36,18 +38,18 @@ struct ParameterProfile {
 };
 
 struct NoiseEvidence {
-  double holdout = 0;                      ///< share of each record that was kept from the fit
-  std::vector<NoiseRuns> records;          ///< of NoiseTuning::records_after
+  double holdout = 0;                      ///< share of each record that was excluded from the fit
+  std::vector<NoiseRuns> records;          ///< corresponds to NoiseTuning::records_after
   std::vector<ParameterProfile> profiles;  ///< of the parameters that were fitted
 };
 
-/// Runs the filter and, where memory allows, the smoother over NoiseTuning::records_before and
-/// records_after, and computes the profiles of the likelihood over the parts that were fitted.
+/// Runs the filter and, if memory allows, the smoother over NoiseTuning::records_before and
+/// records_after, and computes the profiles of the likelihood over the fitted parts.
 /// @param tuned    with NoiseTuningOptions::keep_records
-/// @param holdout  share of each record that was kept from the fit, 0 … 0.9
-/// @param threads  to use; 0: one for each processor
-/// @param stop     asked often; true ends it. May be empty.
-/// @throws Interrupted  where `stop` says so
+/// @param holdout  share of each record that was excluded from the fit, 0 … 0.9
+/// @param threads  number of threads; 0: one per processor
+/// @param stop     called often; true ends the computation. May be empty.
+/// @throws Interrupted  if `stop` returns true
 [[nodiscard]] NoiseEvidence noise_evidence(const TunedNoise& tuned, double holdout,
                                            std::size_t threads,
                                            const std::function<bool()>& stop = {});

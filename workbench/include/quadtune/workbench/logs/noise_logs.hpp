@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Logs as the samples of a filter model whose noise is to be tuned.
+/// Converts logs to the samples of a filter model whose noise is tuned.
 #pragma once
 
 #include <string>
@@ -18,48 +18,48 @@ struct TunedFile {
   std::string sha256;
 };
 
-/// What fed a signal of the model, or was taken for the truth of a state.
+/// The channel that was used as a signal of the model, or as the true value of a state.
 struct TunedChannel {
   std::string signal;   ///< e.g. "height", "truth of vz"
-  std::string channel;  ///< in full, with its unit: "sensor_baro.height [m]"
+  std::string channel;  ///< full name with unit: "sensor_baro.height [m]"
   std::string file;
 };
 
-/// The log of a flight, in one file or several, and what was taken of it.
+/// The log of a flight, in one or more files, and the data that were used from it.
 struct TunedLog {
   std::vector<TunedFile> files;
   std::vector<TunedChannel> channels;
   std::vector<FilterRecord> records;
-  std::vector<std::string> warnings = {};  ///< of the files' readers
+  std::vector<std::string> warnings = {};  ///< from the readers of the files
 
   [[nodiscard]] Eigen::Index samples() const;  ///< of all records
-  [[nodiscard]] double seconds() const;        ///< of all records, without what lies between
+  [[nodiscard]] double seconds() const;        ///< of all records, without the gaps between them
 };
 
-/// A signal or a state of the model, and the channel that feeds it: "px", or "px@FILE" of another
-/// log of the same flight.
+/// A signal or a state of the model, and the channel that provides it: "px", or "px@FILE" in
+/// another log of the same flight.
 using NamedChannel = std::pair<std::string, std::string>;
 
 struct NoiseLogOptions {
-  std::vector<std::string> logs;  ///< one of each flight; files, as they are read twice
-  /// Inputs and outputs of the model. Of the others an input is fed by the channel of its name; so
-  /// are the outputs, where none is named here.
+  std::vector<std::string> logs;  ///< one per flight; files, because they are read twice
+  /// Inputs and outputs of the model. Inputs that are not named here use the channel of their own
+  /// name; so do the outputs if none is named here.
   std::vector<NamedChannel> channels = {};
-  std::vector<NamedChannel> truths = {};  ///< what states truly were, as records_of_log() takes it
+  std::vector<NamedChannel> truths = {};  ///< true values of states, as in records_of_log()
   LogOptions reading = {};
-  LogNote note = {};  ///< takes warnings, and what is left as it is
+  LogNote note = {};  ///< receives warnings, and notes about unchanged parameters
 };
 
 /// A model and its samples.
 struct NoiseLogs {
-  FilterModel model;  ///< parameters of sensors that no log measures are fixed
+  FilterModel model;  ///< parameters of sensors that no log contains are fixed
   std::vector<TunedLog> logs;
-  std::vector<LeftOutRecord> left_out;  ///< of the logs
+  std::vector<LeftOutRecord> left_out;  ///< records of the logs that are not used
 };
 
-/// @param model  as chosen_filter() gives it
+/// @param model  from chosen_filter()
 /// @throws InvalidInput  as read_signals_by_name(), read_channels() and records_of_log()
-/// @throws FileError     for a file that cannot be read
+/// @throws FileError     if a file cannot be read
 [[nodiscard]] NoiseLogs read_noise_logs(FilterModel model, const NoiseLogOptions& options);
 
 }  // namespace quadtune

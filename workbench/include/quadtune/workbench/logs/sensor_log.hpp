@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Channels of a sensor, from one log or several.
+/// Reads channels of a sensor from one log or several.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,21 +11,21 @@
 
 namespace quadtune {
 
-/// What messages call the file of that path: "standard input" for "-".
+/// The name of a file in messages: "standard input" for "-", otherwise the path.
 [[nodiscard]] std::string log_name(const std::string& path);
 
-/// Channels of a sensor, and what the logs' readers warn of.
+/// Channels of a sensor, and the warnings of the logs' readers.
 struct SensorLog {
   std::vector<LogSeries> series;
   std::vector<std::string> warnings;  ///< as noted_log_warnings()
 };
 
-/// Series with times that increase: `names`, then those of `optional` that the log has, the others
-/// being empty. A name CHANNEL@FILE is of another file, its times after the same epoch, and stays
-/// the series' name.
+/// Reads series with increasing times: `names`, then those of `optional`; optional series that the
+/// log lacks are empty. A name CHANNEL@FILE refers to another file, whose times have the same
+/// epoch; the series keeps this name.
 /// @param optional  names of channels of the log itself
-/// @param note      takes the warnings
-/// @throws MissingOption  for a log without times where neither a rate nor a clock came
+/// @param note      receives the warnings
+/// @throws MissingOption  if a log has no times and neither a rate nor a clock is given
 /// @throws InvalidInput, FileError  as read_channels() and require_usable()
 [[nodiscard]] SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
                                      const std::vector<std::string>& optional, LogOptions options,
@@ -37,17 +37,17 @@ struct JoinedSeries {
   Eigen::MatrixXd values;  ///< (number of series × n)
 };
 
-/// The instants at which all series have a sample.
+/// Selects the instants at which all series have a sample.
 /// @param series  at least one
 /// @param where   for messages
-/// @throws InvalidInput  where fewer than half of the first one's samples are among them
+/// @throws InvalidInput  if they are fewer than half of the samples of the first series
 [[nodiscard]] JoinedSeries join(const std::vector<const LogSeries*>& series,
                                 const std::string& where);
 
 /// The sample period of evenly spaced times [s].
-/// @param series  of two samples or more, its times increasing
+/// @param series  at least two samples with increasing times
 /// @param where   for messages
-/// @throws InvalidInput  for a gap: a step half as long again as the median or more
+/// @throws InvalidInput  if there is a gap: a step of at least 1.5 times the median
 [[nodiscard]] double even_period(const LogSeries& series, const std::string& where);
 
 }  // namespace quadtune

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The flown loops of the gains that a tuning starts from and finds, and what an unstable one means
-/// for its result.
+/// The flown loops of the initial and the tuned gains, and their effect on the result of a tuning.
 #pragma once
 
 #include <optional>
@@ -25,8 +24,8 @@ struct FlownEvidence {
                                            const std::optional<Controller>& after,
                                            const std::optional<Controller>& rival);
 
-/// Rejects what was found if its flown loop is unstable: the start stays, and the reason names the
-/// mode that grows.
+/// Rejects the result of the search if its flown loop is unstable: the start is kept, and the
+/// reason names the growing mode.
 void reject_unstable(const FlownEvidence& evidence, const Eigen::VectorXd& start,
                      MissionSearchResult& result);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The weights of an LQR as numbers that are tuned over missions.
+/// The weights of an LQR as parameters that are tuned over missions.
 #pragma once
 
 #include "quadtune/design.hpp"
@@ -8,14 +8,14 @@
 
 namespace quadtune {
 
-/// Each number is the logarithm of a factor on a weight; the weights of the first input stay, since
-/// a gain determines its weights up to a factor.
-/// @param plant     the vehicle about a hover
-/// @param design    the problem, sampled, with the weights where the search begins
-/// @param standard  whether Bryson's rule replaces these weights; for all states of "ned"
-/// @param separate  whether each weight has a number of its own; otherwise axes that are alike, and
-///                  all rotors, share theirs
-/// @throws InvalidInput  for a problem that DiagonalLqr refuses
+/// Each parameter is the logarithm of a factor on a weight. The weights of the first input are
+/// fixed, because a gain determines its weights only up to a common factor.
+/// @param plant     the vehicle at hover
+/// @param design    the sampled problem, with the initial weights
+/// @param standard  whether Bryson's rule replaces these weights; requires all states of "ned"
+/// @param separate  whether each weight has its own parameter; otherwise similar axes, and all
+///                  rotors, share theirs
+/// @throws InvalidInput  if DiagonalLqr rejects the problem
 [[nodiscard]] MissionTuning lqr_tuning(LinearVehicle plant, const LqrDesign& design, bool standard,
                                        bool separate);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What gains are asked for when they are tuned over missions: a cost, limits of missions and of
-/// margins, and what is uncertain. From a requirements file (docs/formats.md) or the command line.
+/// Requirements on gains that are tuned over missions: a cost, limits of missions and of margins,
+/// and the uncertainty. From a requirements file (docs/formats.md) or the command line.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace quadtune {
 
-/// Margins that a loop must keep; what is not said is not asked for.
+/// Required margins of a loop; members without a value are not required.
 struct MarginLimits {
   std::optional<double> Ms_max;
   std::optional<double> phase_min;  ///< [rad]
@@ -25,14 +25,16 @@ struct MarginLimits {
 
 struct MissionRequirements {
   std::vector<CampaignMission> missions;
-  std::vector<std::vector<Limit>> limits;  ///< of each mission, in place of its own by metric
+  std::vector<std::vector<Limit>> limits;  ///< for each mission; replace its own limit on the same
+                                           ///< metric
   std::vector<CostTerm> cost = {{Metric::tracking_rms, 1}, {Metric::settling_time, 0.5}};
   RobustMeasure measure = RobustMeasure::mean;
   double share = 0.9;
   std::optional<std::uint32_t> draws;
   Uncertainty uncertainty;
-  std::optional<MarginLimits> margins;        ///< of every loop
-  std::map<std::string, MarginLimits> loops;  ///< of one by name, beside those of all
+  std::optional<MarginLimits> margins;        ///< of all loops
+  std::map<std::string, MarginLimits> loops;  ///< of single loops by name, in addition to those of
+                                              ///< all loops
   std::string where;                          ///< of [loops], for messages
 };
 
@@ -45,9 +47,9 @@ struct NamedMargins {
   LoopMargins margins;
 };
 
-/// The limits that loops must keep; where nothing is asked of margins, that no Ms is greater than
-/// it is at the start.
-/// @throws InvalidInput  for a loop that is not there
+/// The limits on the margins of the loops. If no margins are required, no Ms may exceed its initial
+/// value.
+/// @throws InvalidInput  if a named loop does not exist
 [[nodiscard]] std::vector<DesignLimit> margin_limits(const MissionRequirements& requirements,
                                                      const std::vector<NamedMargins>& loops,
                                                      const std::vector<NamedMargins>& start);

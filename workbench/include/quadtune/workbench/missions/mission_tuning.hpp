@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains that are tuned over missions: what is searched, how it is flown, and what came out.
+/// Tunes gains over missions: search variables, flights and results.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,31 +23,31 @@
 
 namespace quadtune {
 
-/// A design at one point of the search.
+/// A design at one point of the search space.
 struct TunedDesign {
-  DesignPoint point;  ///< no controller for a point whose loops are not stable
+  DesignPoint point;  ///< no controller if a loop is unstable
   std::vector<NamedMargins> margins;
 };
 
 /// One number of a design.
 struct TunedNumber {
-  std::string of;    ///< e.g. a loop; may be empty
+  std::string of;    ///< what it belongs to, e.g. a loop; may be empty
   std::string name;  ///< e.g. "Kp"
   std::string unit;
   double value = 0;
 };
 
-/// Diagonal weights of an LQR, and their gains where the Riccati equation has a solution.
+/// Diagonal weights of an LQR, and their gains if the Riccati equation has a solution.
 struct TunedWeights {
   std::vector<std::string> names;
   Eigen::VectorXd weights;
   std::optional<Gains> gains;
 };
 
-/// The gains of a design: a PID cascade's, or an LQR's with the weights that it is searched by.
+/// The gains of a design: those of a PID cascade, or of an LQR with its weights.
 using TunedGains = std::variant<CascadeGains, TunedWeights>;
 
-/// A design that what is found is compared with.
+/// A design with which the result is compared.
 struct Rival {
   std::string name;
   Controller controller;
@@ -55,78 +55,79 @@ struct Rival {
   std::vector<TunedNumber> numbers;
 };
 
-/// What is searched.
+/// The search problem.
 struct MissionTuning {
   Vehicle vehicle;
-  std::string law;  ///< the start in words
+  std::string law;  ///< description of the start
   double position_bandwidth = 0;
-  std::vector<std::string> names;  ///< of the numbers that are searched
+  std::vector<std::string> names;  ///< of the search variables
   Eigen::VectorXd start;
   std::function<TunedDesign(const Eigen::VectorXd&)> design;
   std::optional<Rival> rival;
-  std::string gains_title;  ///< of the table of `numbers`
+  std::string gains_title;  ///< title of the table of `numbers`
   std::function<std::vector<TunedNumber>(const Eigen::VectorXd&)> numbers;
   std::function<TunedGains(const Eigen::VectorXd&)> gains;
-  /// A file that `quadtune design` and `fly --gains` read.
+  /// The text of a file that `quadtune design` and `fly --gains` accept.
   std::function<std::string(const Eigen::VectorXd&, const std::string& comment)> file;
 };
 
-/// How it is searched.
+/// Options of the search.
 struct MissionTuningOptions {
-  double seconds = 60;                 ///< of the search, > 0
-  std::uint64_t evaluations = 100000;  ///< designs that are tried at most, ≥ 1
-  std::uint32_t draws = 0;             ///< of each mission; 0: the requirements', or 4
-  std::uint32_t proof = 0;             ///< fresh draws; 0: 24, or what a quantile needs
+  double seconds = 60;                 ///< duration of the search, > 0
+  std::uint64_t evaluations = 100000;  ///< maximum number of designs tried, ≥ 1
+  std::uint32_t draws = 0;             ///< per mission; 0: as in the requirements, or 4
+  std::uint32_t proof = 0;             ///< number of fresh draws; 0: 24, or as many as a quantile
+                                       ///< requires
   std::uint64_t seed = 1;
-  std::size_t threads = 0;  ///< 0: one for each processor
-  /// Asked now and then; true ends the search with the best that was found.
+  std::size_t threads = 0;  ///< 0: one per processor
+  /// Called regularly; if it returns true, the search ends with the best result so far.
   std::function<bool()> stop = {};
-  /// Called from time to time with the best cost, the designs tried, and the time left [s].
+  /// Called regularly with the best cost, the number of designs tried, and the time left [s].
   std::function<void(double best, int evaluations, double left)> progress = {};
 };
 
-/// A limit of a mission that is tighter than the sensors can keep.
+/// A limit of a mission that is tighter than the sensors allow.
 struct TunedLimit {
   std::string mission;
   WidenedLimit limit;
 };
 
-/// What will be flown for the cost.
+/// The flights that determine the cost.
 struct MissionTuningPlan {
   TunedDesign start;
   TrialRequest request;
   PlannedFlight first;  ///< of the first mission
   std::vector<TunedLimit> widened;
-  std::vector<std::string> notes;  ///< what the user should know of choices
+  std::vector<std::string> notes;  ///< about choices, for the user
   std::uint32_t proof = 0;         ///< fresh draws
 };
 
-/// Plans the missions with the start's law.
-/// @param who  asked, for the message of NoSolution
-/// @throws NoSolution    if the start is not stable
-/// @throws OptionError   "proof" for fewer fresh draws than a quantile needs, or an option of
-/// flights
-/// @throws InvalidInput  for requirements of loops that are not there
+/// Plans the missions with the initial law.
+/// @param who  name of the caller, for the message of NoSolution
+/// @throws NoSolution    if the start is unstable
+/// @throws OptionError   "proof" if there are fewer fresh draws than a quantile requires; or for an
+///                       option of the flights
+/// @throws InvalidInput  if the requirements name a loop that does not exist
 [[nodiscard]] MissionTuningPlan plan_mission_tuning(const MissionTuning& tuning,
                                                     const MissionRequirements& requirements,
                                                     const MissionTuningOptions& options,
                                                     const std::string& who);
 
-/// What came out.
+/// The result of a tuning.
 struct MissionTuningResult {
   MissionTuning tuning;
   TrialRequest request;
   MissionSearchResult search;
-  std::vector<NamedMargins> before, after;  ///< of the loops: start, the best point
-  std::vector<DesignLimit> limits;          ///< of the margins, as the best point has them
-  std::optional<TrialOutcome> rival;        ///< on the draws of the proof
+  std::vector<NamedMargins> before, after;  ///< of the loops: at the start, at the best point
+  std::vector<DesignLimit> limits;          ///< of the margins at the best point
+  std::optional<TrialOutcome> rival;        ///< on the fresh draws
   FlownEvidence flown = {};
   std::vector<TunedLimit> widened = {};
-  std::shared_ptr<const MissionTrial> trial;  ///< flies any of the missions again
+  std::shared_ptr<const MissionTrial> trial;  ///< can fly any of the missions again
 };
 
-/// Searches, proves what was found on fresh draws, and judges its flown loop: a point whose flown
-/// loop is unstable is not accepted.
+/// Searches, evaluates the result on fresh draws, and analyses its flown loop: a point with an
+/// unstable flown loop is rejected.
 [[nodiscard]] MissionTuningResult tune_missions(const MissionTuning& tuning,
                                                 const MissionRequirements& requirements,
                                                 MissionTuningPlan plan,
@@ -134,9 +135,9 @@ struct MissionTuningResult {
 
 /// Distances from the reference over time.
 struct DistanceOverTime {
-  std::vector<double> time, value;  ///< [s], [m]; empty for a mission without a reference
+  std::vector<double> time, value;  ///< [s], [m]; empty if the mission has no reference
 
-  /// The last value at or before a time; NaN after the flight.
+  /// The last value at or before time t; NaN after the end of the flight.
   [[nodiscard]] double at(double t) const;
 };
 
@@ -146,14 +147,14 @@ struct TunedFlights {
   std::vector<DistanceOverTime> distances;  ///< of the start, the best point, and the rival
 };
 
-/// Flies each mission with the start, the best point and the rival, on the first of the fresh
-/// draws. A mission whose record would not fit into memory ends the list.
-/// @throws Interrupted  where `stop` says so
+/// Flies each mission with the start, the best point and the rival, with the first of the fresh
+/// draws. The list ends before the first mission whose log would not fit into memory.
+/// @throws Interrupted  if `stop` returns true
 [[nodiscard]] std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
                                                       const std::function<bool()>& stop = {});
 
-/// A vehicle's name or path as a TOML text: a path becomes absolute.
-/// @throws InvalidInput  for a path that is not UTF-8
+/// A vehicle's name or path as TOML text; a path becomes absolute.
+/// @throws InvalidInput  if the path is not UTF-8
 [[nodiscard]] std::string vehicle_text(const std::string& word);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The gains of a PID cascade as numbers that are tuned over missions.
+/// The gains of a PID cascade as parameters that are tuned over missions.
 #pragma once
 
 #include <string>
@@ -8,12 +8,11 @@
 
 namespace quadtune {
 
-/// Each number is the logarithm of a factor on a gain.
+/// Each parameter is the logarithm of a factor on a gain.
 /// @param vehicle   name or file
-/// @param gains     where the search begins: "designed", "published", or a file of gains
-/// @param separate  whether each loop has numbers of its own; otherwise x and y, and pitch and
-/// roll,
-///                  share theirs
+/// @param gains     initial gains: "designed", "published", or a gain file
+/// @param separate  whether each loop has its own parameters; otherwise x and y share theirs, and
+///                  so do pitch and roll
 /// @throws OptionError, InvalidInput, FileError, NoSolution  as choose_law()
 [[nodiscard]] MissionTuning pid_tuning(const std::string& vehicle, const std::string& gains,
                                        bool separate);

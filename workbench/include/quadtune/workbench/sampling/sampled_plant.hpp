@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A plant of one's own, sampled by a method or taken back to continuous time.
+/// Discretizes a user's plant, or converts it back to continuous time.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,44 +17,44 @@ namespace quadtune {
 struct SamplingOptions {
   DiscretizationMethod method = DiscretizationMethod::zoh;
   double dt = 0;                       ///< sample period [s], > 0
-  std::optional<double> prewarp = {};  ///< where tustin is exact [rad/s], in (0, π/dt)
+  std::optional<double> prewarp = {};  ///< frequency at which tustin is exact [rad/s], in (0, π/dt)
 };
 
-/// A plant and how it was found.
+/// A plant and the options with which it was computed.
 struct SampledPlant {
   SamplingOptions by;
-  /// Discrete where a continuous plant was sampled, continuous where a discrete one was taken back.
+  /// Discrete if a continuous plant was sampled, continuous if a discrete one was converted.
   std::variant<DiscreteLti, ContinuousLti, DiscreteTransferFunction, ContinuousTransferFunction>
       plant;
   std::vector<std::string> warnings = {};  ///< as sample_time_warnings()
 };
 
-/// Refuses a prewarp frequency that is out of range, or with another method than tustin.
-/// @throws OptionError  naming "prewarp"
+/// Rejects a prewarp frequency that is out of range, or with a method other than tustin.
+/// @throws OptionError  "prewarp"
 void require_prewarp(const SamplingOptions& options);
 
 /// Delays of the channels of a plant.
-/// @param delays    [s], ≥ 0; one stands for all channels, none for no delays
+/// @param delays    [s], ≥ 0; one applies to all channels; empty: no delays
 /// @param key       of the option, e.g. "input-delay"
 /// @param count     of the channels
 /// @param channels  "inputs" or "outputs"
-/// @return  `count` delays, or none
+/// @return  `count` delays, or an empty vector
 /// @throws OptionError  naming the key
 [[nodiscard]] Eigen::VectorXd channel_delays(const Eigen::VectorXd& delays, const std::string& key,
                                              Eigen::Index count, const std::string& channels);
 
 /// Samples a plant.
-/// @throws OptionError   naming "delay": one that is negative
+/// @throws OptionError   "delay", if it is negative
 /// @throws InvalidInput  as discretize()
 [[nodiscard]] SampledPlant sampled_plant(const ContinuousLti& plant, const ChannelDelays& delays,
                                          const SamplingOptions& options);
 [[nodiscard]] SampledPlant sampled_plant(const ContinuousTransferFunction& plant,
                                          const SamplingOptions& options);
 
-/// Takes a plant of period `options.dt` back to continuous time.
+/// Converts a plant with period `options.dt` to continuous time.
 /// @param delay  of the transfer function [s], whole samples
-/// @throws OptionError   naming "delay": one that is negative, or not a whole number of samples
-/// @throws InvalidInput  as to_continuous(), and for other methods than zoh and tustin
+/// @throws OptionError   "delay", if it is negative or not a whole number of samples
+/// @throws InvalidInput  as to_continuous(), and for methods other than zoh and tustin
 [[nodiscard]] SampledPlant continuous_plant(DiscreteLti plant, const SamplingOptions& options);
 [[nodiscard]] SampledPlant continuous_plant(DiscreteTransferFunction plant, double delay,
                                             const SamplingOptions& options);

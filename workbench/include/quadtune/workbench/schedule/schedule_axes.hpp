@@ -9,10 +9,10 @@
 
 namespace quadtune {
 
-/// "speed=0:0.5:10, mass=1" as axes, each first:step:last or one value. The last value belongs to
-/// an axis: a step that does not lead to it is refused.
-/// @param where  for the place of InvalidInput, e.g. "--schedule"
-/// @throws OptionError   "schedule", for text that is no axis, or steps that do not meet the last
+/// Parses "speed=0:0.5:10, mass=1" to axes, each first:step:last or one value. The last value
+/// belongs to the axis: a step that does not reach it is rejected.
+/// @param where  prefix of InvalidInput, e.g. "--schedule"
+/// @throws OptionError   "schedule", if the text is malformed or the steps do not reach the last
 ///                       value
 /// @throws InvalidInput  as schedule_quantity() and checked_grid_size()
 [[nodiscard]] std::vector<ScheduleAxis> schedule_axes(const std::string& text,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains over a grid of flights, with what a user should know of them.
+/// Gains over a grid of trims, with messages for the user.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,14 @@
 namespace quadtune {
 
 struct ScheduleReport {
-  GainSchedule schedule;  ///< with one gain at least
-  /// "note: …" of the linear models, "warning: …" of points without a gain, and how long it took.
+  GainSchedule schedule;  ///< with at least one gain
+  /// "note: …" about the linear models and the computing time, "warning: …" about points without a
+  /// gain.
   std::vector<std::string> messages;
 };
 
-/// Solves by gain_schedule().
-/// @param where  the file or vehicle that asked for it, for NoSolution
+/// Solves with gain_schedule().
+/// @param where  file or vehicle, for the message of NoSolution
 /// @throws NoSolution  if no point has a gain
 /// @throws InvalidInput, Interrupted  as gain_schedule()
 [[nodiscard]] ScheduleReport schedule_report(const Vehicle& vehicle, std::vector<ScheduleAxis> axes,
@@ -28,14 +29,14 @@ struct ScheduleReport {
                                              const ScheduleOptions& options,
                                              const std::string& where);
 
-/// Points of one status.
+/// Number of points with one status.
 struct PointTally {
   std::size_t count = 0;
-  Eigen::Index first = 0;  ///< of them; 0 where there is none
+  Eigen::Index first = 0;  ///< index of the first of them; 0 if there is none
 };
 [[nodiscard]] PointTally tally(const GainSchedule& schedule, PointStatus status);
 
-/// "speed 8, mass 1" of a point of the schedule.
+/// "speed 8, mass 1" for a point of the schedule.
 [[nodiscard]] std::string point_words(const GainSchedule& schedule, Eigen::Index point);
 
 /// "at speed 8, mass 1: …" with the reason why that point has no gain.

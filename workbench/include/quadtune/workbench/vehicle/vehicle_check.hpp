@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a vehicle can fly at all: it hovers, and its rotors command thrust and all torques.
+/// Whether a vehicle can fly: it hovers, and its rotors can command thrust and all torques.
 #pragma once
 
 #include <string>
@@ -15,17 +15,17 @@ namespace quadtune {
 struct VehicleCheck {
   Vehicle vehicle;
   TrimResult hover;                      ///< solved
-  std::vector<Implausibility> warnings;  ///< figures outside their plausible ranges
+  std::vector<Implausibility> warnings;  ///< values outside their plausible ranges
 };
 
 /// A vehicle cannot hold a hover unless its rotors change thrust and all three torques
 /// independently: the four rows of wrench_jacobian(), normalized, must be linearly independent.
 /// @param hover  a solved trim of the vehicle
 /// @param name   the vehicle's name or file, for messages
-/// @throws NoSolution  naming the axis that no rotor changes, where there is one
+/// @throws NoSolution  naming the axis that no rotor changes, if there is one
 void require_authority(const Vehicle& vehicle, const TrimResult& hover, const std::string& name);
 
-/// Reads a vehicle and asks whether it can hover.
+/// Reads a vehicle and checks that it can hover.
 /// @param name  of a built-in vehicle, or a vehicle file
 /// @throws InvalidInput, FileError  as load_vehicle()
 /// @throws NoSolution               "NAME: cannot hover: …", or as require_authority()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ranges of what is uncertain of a vehicle, as a user writes them: "LOW:HIGH", or one number.
+/// Parses ranges of uncertain vehicle parameters: "LOW:HIGH", or one number.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace quadtune {
 
-/// Ratios to the value of a vehicle's file: 0 < LOW ≤ 1 ≤ HIGH.
+/// Ratios to the value in the vehicle file: 0 < LOW ≤ 1 ≤ HIGH.
 /// @param key  of the option, e.g. "mass"
 /// @throws OptionError  naming the key
 [[nodiscard]] UncertainRange uncertain_ratios(const std::string& text, const std::string& key);
@@ -17,7 +17,7 @@ namespace quadtune {
 /// @throws OptionError  naming the key
 [[nodiscard]] UncertainRange uncertain_delay(const std::string& text, const std::string& key);
 
-/// A lag of motors [s]: 0 < LOW ≤ HIGH, or 0 for none.
+/// A motor lag [s]: 0 < LOW ≤ HIGH, or 0 for none.
 /// @throws OptionError  naming the key
 [[nodiscard]] UncertainRange uncertain_lag(const std::string& text, const std::string& key);
 

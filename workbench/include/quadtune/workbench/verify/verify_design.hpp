@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An export compared with what its design file gives.
+/// Compares an export with the result of its design file.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,10 @@
 
 namespace quadtune {
 
-/// Makes the export of a solved design again and compares every file, comments included, and what
-/// the manifest says of laws, weights and numbers. Numbers that differ by up to 1e-7 of the largest
-/// of their line, as those of another machine may, are accepted, and what is made from such numbers
-/// is left to the other checks. The options of the export (precision, firmware, adapter) are taken
-/// from its files.
+/// Creates the export of a solved design again and compares every file, comments included, and the
+/// laws, weights and numbers of the manifest. Numbers may differ by up to 1e-7 of the largest of
+/// their line, as between machines; values derived from such numbers are left to the other checks.
+/// The options of the export (precision, firmware, adapter) are read from its files.
 ///
 /// @param outcome  of the design file that the manifest names
 [[nodiscard]] VerifyCheck check_design(const std::filesystem::path& directory,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An export read back as the flight program would, and everything in it checked.
+/// Reads an export as the flight program would, and checks its contents.
 #pragma once
 
 #include <string>
@@ -12,24 +12,24 @@
 
 namespace quadtune {
 
-/// The check that an export which was written by --force fails.
+/// The check that fails for an export that was written with --force.
 inline constexpr char kForcedCheck[] = "the design holds what it is asked for";
 
-/// Re-reads the export with the vehicle that its manifest names.
+/// Verifies an export with the vehicle that its manifest names.
 /// @param vehicle  another vehicle or its file; empty: that of the manifest
-/// @param design   the design file that it was made from, which is solved again and compared, or
-///                 another of the manifest's inputs, whose hash is; empty: only the hashes of files
-///                 of these names where they are likely to lie
-/// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
-/// @param arm      runs flight code under an emulator of ARM as well
-/// @throws OptionError              for a design that is none of the manifest's inputs, and for
-///                                  `arm` with what is no flight code
+/// @param design   the design file from which it was made, which is solved again and compared; or
+///                 another input of the manifest, whose hash is compared; empty: only the hashes of
+///                 files with these names in the likely places are compared
+/// @param arm      also runs flight code under an emulator of ARM
+/// @throws FileError, InvalidInput  if the directory is not an export, or the vehicle is unknown
+/// @throws OptionError              if the design is not one of the manifest's inputs, or `arm` is
+///                                  set and the export is not flight code
 [[nodiscard]] VerifyReport verify_directory(const std::string& directory,
                                             const std::string& vehicle,
                                             const std::string& design = "", bool arm = false);
 
 /// The same with a vehicle and inputs in memory.
-/// @param flown    flown loops of these laws that are known; none: they are computed
+/// @param flown    known flown loops of these laws; null: they are computed
 /// @param targets  for which flight code is compiled
 [[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
                                        const std::vector<InputAtHand>& inputs,

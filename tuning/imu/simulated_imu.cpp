@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Noise of one sample on each axis, and where its random numbers come from.
+/// Noise of one sample on each axis [counts], and the streams of its random numbers.
 constexpr double kAccelerometerNoise = 1.5, kGyroscopeNoise = 1.2, kMagnetometerNoise = 1.0;
 enum Stream : std::uint32_t {
   kTruth = 0,
@@ -36,7 +36,7 @@ struct MadeUpTurn {
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) { source_.seed = seed; }
-  /// Even in (-1, 1).
+  /// Uniform in (-1, 1).
   double even(Stream stream) {
     return 2 * lane(random_uniform(source_, stream, index_++).first, 0) - 1;
   }
@@ -51,8 +51,8 @@ class Numbers {
   std::uint64_t index_ = 0;
 };
 
-/// Quarter turns that bring each axis up and down and turn each one while it is level.
-std::vector<MadeUpTurn> turns_of(const MadeUpImuOptions& options, Numbers& numbers) {
+/// Quarter turns that point each axis up and down and rotate about each one while it is level.
+std::vector<MadeUpTurn> turns_of(const SimulatedImuOptions& options, Numbers& numbers) {
   constexpr double kQuarter = std::numbers::pi / 2;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   std::vector<MadeUpTurn> turns;
@@ -73,8 +73,8 @@ std::vector<MadeUpTurn> turns_of(const MadeUpImuOptions& options, Numbers& numbe
   return turns;
 }
 
-MadeUpSensor sensor(double scale, double bias, double cross, bool triangular, Numbers& numbers) {
-  MadeUpSensor result;
+SimulatedSensor sensor(double scale, double bias, double cross, bool triangular, Numbers& numbers) {
+  SimulatedSensor result;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const double part = i == j ? 1 + 0.05 * numbers.even(kTruth) : cross * numbers.even(kTruth);
@@ -84,31 +84,30 @@ MadeUpSensor sensor(double scale, double bias, double cross, bool triangular, Nu
   return result;
 }
 
-Vector3d raw(const MadeUpSensor& sensor, const Eigen::Matrix3d& inverse, const Vector3d& truth,
+Vector3d raw(const SimulatedSensor& sensor, const Eigen::Matrix3d& inverse, const Vector3d& truth,
              double warmth, const Vector3d& noise) {
   return (inverse * truth + sensor.b - sensor.d * warmth + noise).array().round();
 }
 
-void check_made_up(const MadeUpImuOptions& o) {
+void check_made_up(const SimulatedImuOptions& o) {
   if (o.poses < 2 || !(o.rate > 0) || !(o.still > 0) || !(o.start > 0) || !(o.turn > 0) ||
       !(o.noise >= 0) || !(o.rate * (o.start + o.poses * (o.still + o.turn)) < 1e8))
-    throw InvalidInput(
-        "make_up_imu",
-        fmt::format("{} poses of {} s, turns of {} s at {} Hz came, expected at least "
-                    "two poses and positive lengths of at most 1e8 samples together",
-                    o.poses, o.still, o.turn, o.rate));
+    throw InvalidInput("make_up_imu",
+                       fmt::format("{} poses of {} s, turns of {} s at {} Hz; expected at least "
+                                   "two poses and positive lengths of at most 1e8 samples together",
+                                   o.poses, o.still, o.turn, o.rate));
 }
 
 }  // namespace
 
-MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
+SimulatedImu simulate_imu(const SimulatedImuOptions& options) {
   check_made_up(options);
   Numbers numbers(options.seed);
-  MadeUpImu result;
-  result.accelerometer = sensor(0.0375, 25, 0.01, true, numbers);    // m/s² a count
-  result.gyroscope = sensor(0.00125, 25, 0.02, false, numbers);      // rad/s a count
-  result.magnetometer = sensor(1.0 / 240, 60, 0.03, true, numbers);  // of the field, a count
-  result.accelerometer.d = {0, 0, -0.6};                             // counts a degree
+  SimulatedImu result;
+  result.accelerometer = sensor(0.0375, 25, 0.01, true, numbers);    // m/s² per count
+  result.gyroscope = sensor(0.00125, 25, 0.02, false, numbers);      // rad/s per count
+  result.magnetometer = sensor(1.0 / 240, 60, 0.03, true, numbers);  // share of the field per count
+  result.accelerometer.d = {0, 0, -0.6};                             // counts per °C
   result.gyroscope.d = {-0.36, 1.4, -0.9};
   if (options.warming == 0) result.accelerometer.d = result.gyroscope.d = Vector3d::Zero();
   const std::vector<MadeUpTurn> turns = turns_of(options, numbers);
@@ -116,7 +115,7 @@ MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
   const double length = options.start + double(turns.size()) * (options.turn + options.still);
   const auto samples = static_cast<Eigen::Index>(length * options.rate);
   ImuLog& log = result.log;
-  log.name = fmt::format("made up with seed {}", options.seed);
+  log.name = fmt::format("simulated with seed {}", options.seed);
   log.t.resize(samples);
   log.accelerometer.resize(3, samples);
   if (options.gyroscope) log.gyroscope.resize(3, samples);
@@ -167,10 +166,10 @@ MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
   return result;
 }
 
-MadeUpGyroscope make_up_gyroscope(std::uint64_t seed) {
+SimulatedGyroscope simulate_gyroscope(std::uint64_t seed) {
   constexpr double kLength = 1800, kBias = 0.01;  // [s], [rad/s]
-  constexpr std::uint32_t kRecord = 8;            // a stream of its own
-  MadeUpGyroscope result;
+  constexpr std::uint32_t kRecord = 8;            // a separate stream
+  SimulatedGyroscope result;
   RandomSource<1> source;
   source.seed = seed;
   const double dt = 1 / result.sample_rate;

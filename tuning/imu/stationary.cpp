@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/tuning/still.hpp"
+#include "quadtune/tuning/stationary.hpp"
 
 #include <fmt/format.h>
 
@@ -13,10 +13,11 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr Index kLeastWindow = 5;    // samples
-constexpr Index kLeastWindows = 10;  // of a log
-constexpr double kQuietPart = 0.1;   // of the windows, which are taken for still
-constexpr double kMostOfMean = 6;    // scatters of the gyroscope's means, beyond which it turns
+constexpr Index kMinWindow = 5;     // minimum, in samples
+constexpr Index kMinWindows = 10;   // minimum of a log
+constexpr double kQuietPart = 0.1;  // share of the windows that are assumed to be stationary
+// threshold of rotation in standard deviations of the means of the gyroscope
+constexpr double kMaxOfMean = 6;
 constexpr double kDeviationPerMad = 1.4826;
 
 double median(std::vector<double> values) {
@@ -39,12 +40,12 @@ struct Windows {
     }
   }
 
-  /// Variance of the quietest windows. Counts that stand still vary by rounding at least.
+  /// Variance of the quietest windows, not below that of rounding to counts.
   [[nodiscard]] double quiet(const Eigen::Matrix3Xd& values) const {
     std::vector<double> sorted(variance.begin(), variance.end());
     std::sort(sorted.begin(), sorted.end());
     const auto at = static_cast<std::size_t>(kQuietPart * double(sorted.size()));
-    double step = 0;  // the least between neighbours that differ
+    double step = 0;  // the smallest difference of unequal neighbours
     for (Index axis = 0; axis < 3; ++axis)
       for (Index i = 1; i < values.cols(); ++i) {
         const double difference = std::abs(values(axis, i) - values(axis, i - 1));
@@ -54,7 +55,7 @@ struct Windows {
   }
 };
 
-/// Windows in which the gyroscope says something else than in most still ones.
+/// Excludes windows in which the mean of the gyroscope differs from that of most stationary ones.
 void leave_out_turns(const Windows& gyroscope, std::vector<char>& still) {
   for (Index axis = 0; axis < 3; ++axis) {
     std::vector<double> means, distances;
@@ -63,15 +64,15 @@ void leave_out_turns(const Windows& gyroscope, std::vector<char>& still) {
     if (means.empty()) return;
     const double middle = median(means);
     for (const double mean : means) distances.push_back(std::abs(mean - middle));
-    const double most = kMostOfMean * kDeviationPerMad * median(distances);
+    const double max = kMaxOfMean * kDeviationPerMad * median(distances);
     for (Index i = 0; i < gyroscope.mean.cols(); ++i)
-      if (most > 0 && std::abs(gyroscope.mean(axis, i) - middle) > most)
+      if (max > 0 && std::abs(gyroscope.mean(axis, i) - middle) > max)
         still[static_cast<std::size_t>(i)] = 0;
   }
 }
 
-StillPose pose_of(const ImuLog& log, Index begin, Index end) {
-  StillPose pose;
+StationaryPose pose_of(const ImuLog& log, Index begin, Index end) {
+  StationaryPose pose;
   pose.begin = static_cast<std::size_t>(begin);
   pose.end = static_cast<std::size_t>(end);
   const auto mean = [&](const Eigen::Matrix3Xd& values) -> Eigen::Vector3d {
@@ -90,13 +91,12 @@ void require_column(const ImuLog& log, const Eigen::Ref<const Eigen::MatrixXd>& 
                     const char* name) {
   if (values.cols() == 0) return;
   if (values.cols() != log.t.size())
-    throw InvalidInput(log.name, fmt::format("the {} has {} samples, expected {} as the time has",
-                                             name, values.cols(), log.t.size()));
+    throw InvalidInput(log.name,
+                       fmt::format("the {} has {} samples; expected {}, as many as there are times",
+                                   name, values.cols(), log.t.size()));
   for (Index i = 0; i < values.cols(); ++i)
     if (!values.col(i).allFinite())
-      throw InvalidInput(
-          log.name,
-          fmt::format("sample {} of the {} is not finite, expected numbers", i + 1, name));
+      throw InvalidInput(log.name, fmt::format("sample {} of the {} is not finite", i + 1, name));
 }
 
 }  // namespace
@@ -104,40 +104,41 @@ void require_column(const ImuLog& log, const Eigen::Ref<const Eigen::MatrixXd>& 
 void validate(const ImuLog& log) {
   if (log.accelerometer.cols() == 0)
     throw InvalidInput(log.name,
-                       "has no accelerometer, expected one, because gravity is the scale");
+                       "has no accelerometer; it is required because gravity is the scale");
   for (Index i = 0; i < log.t.size(); ++i)
     if (!std::isfinite(log.t(i)) || (i > 0 && !(log.t(i) > log.t(i - 1))))
       throw InvalidInput(
-          log.name,
-          fmt::format("the time of sample {} is {} s{}, expected times that increase", i + 1,
-                      log.t(i), i > 0 ? fmt::format(" after {} s", log.t(i - 1)) : ""));
+          log.name, fmt::format("the time of sample {} is {} s{}; expected increasing times", i + 1,
+                                log.t(i), i > 0 ? fmt::format(" after {} s", log.t(i - 1)) : ""));
   require_column(log, log.accelerometer, "accelerometer");
   require_column(log, log.gyroscope, "gyroscope");
   require_column(log, log.magnetometer, "magnetometer");
   require_column(log, log.temperature.transpose(), "temperature");
 }
 
-StillDetection find_still(const ImuLog& log, const StillOptions& options) {
+StationaryDetection find_stationary(const ImuLog& log, const StationaryOptions& options) {
   validate(log);
   if (!(options.window > 0) || !(options.factor > 1) || !(options.shortest > 0))
-    throw InvalidInput("find_still",
-                       fmt::format("window {} s, factor {}, shortest {} s came, expected a window "
-                                   "and a shortest of more than 0 and a factor of more than 1",
-                                   options.window, options.factor, options.shortest));
+    throw InvalidInput(
+        "find_still",
+        fmt::format("window {} s, factor {}, shortest {} s; expected a window "
+                    "and a shortest duration greater than 0 and a factor greater than 1",
+                    options.window, options.factor, options.shortest));
   const Index samples = log.t.size();
   const double period = samples > 1 ? (log.t(samples - 1) - log.t(0)) / double(samples - 1) : 1;
-  // Not yet an integer, because a window may hold more periods than one counts.
-  const double wanted = std::max(double(kLeastWindow), std::round(options.window / period));
-  if (!(wanted * kLeastWindows <= double(samples)))
+  // Not converted to an integer yet, because a window may contain more samples than an integer can
+  // represent.
+  const double wanted = std::max(double(kMinWindow), std::round(options.window / period));
+  if (!(wanted * kMinWindows <= double(samples)))
     throw InvalidInput(log.name,
-                       fmt::format("has {} samples, expected at least {:.15g}, ten "
-                                   "windows of {:.3g} s at {:.4g} s a sample",
-                                   samples, kLeastWindows * wanted, options.window, period));
+                       fmt::format("has {} samples; expected at least {:.15g}, ten "
+                                   "windows of {:.3g} s at {:.4g} s per sample",
+                                   samples, kMinWindows * wanted, options.window, period));
   const auto length = static_cast<Index>(wanted);
   const Index count = samples / length;
   const Windows accelerometer(log.accelerometer, length, count);
   const Windows gyroscope(log.gyroscope, length, count);
-  StillDetection result;
+  StationaryDetection result;
   const double quiet_a = accelerometer.quiet(log.accelerometer);
   const double quiet_g = log.gyroscope.cols() > 0 ? gyroscope.quiet(log.gyroscope) : 0;
   result.accelerometer_noise = std::sqrt(quiet_a / 3);
@@ -167,11 +168,11 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
   return result;
 }
 
-StartUpOffset start_up_offset(const ImuLog& log, const StillDetection& still) {
+StartUpOffset start_up_offset(const ImuLog& log, const StationaryDetection& still) {
   constexpr Index kSamples = StartUpOffset::kSamples, kParts = 16;
   if (log.gyroscope.cols() < kSamples)
     throw InvalidInput(
-        log.name, fmt::format("has {} samples of the gyroscope, expected at least {}, which the "
+        log.name, fmt::format("has {} samples of the gyroscope; expected at least {}, which the "
                               "flight program averages before it starts",
                               log.gyroscope.cols(), kSamples));
   Eigen::Matrix<double, 3, kParts> parts;
