@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// From a vehicle to gains that have flown: own_vehicle [NAME|FILE]
+/// Exit status: 0 if the hover passes, 1 if not, 2 and one line for any error.
 #include <cmath>
 #include <exception>
 #include <iostream>

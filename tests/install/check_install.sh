@@ -25,7 +25,9 @@ case $1 in
     "$CMAKE" -S "$here/outside" -B "$WORK/outside" -G Ninja -DCMAKE_PREFIX_PATH="$prefix"
     "$CMAKE" --build "$WORK/outside"
     expect_output "$WORK/outside/outside"
-    "$WORK/outside/own_vehicle"
+    for example in own_vehicle lqg_margins schedule noise_from_log campaign own_estimator own_law own_exporter; do
+      "$here/../examples/example_test.sh" "$WORK/outside" "$here/../.." "$example"
+    done
     ;;
   pkg_config)
     pc=$(find "$prefix" -name quadtune.pc)
