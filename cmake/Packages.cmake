@@ -71,9 +71,9 @@ foreach(component IN LISTS components)
 endforeach()
 
 set(about "quadtune computes the trim of a multirotor from its physical parameters,
-linearizes the nonlinear model, solves the LQR, PID and Kalman problems, samples
-them for the flight computer, writes the files that the flight code reads, and
-reads them back to verify them.
+linearizes the nonlinear model, solves the LQR, PID and Kalman problems,
+samples them for the flight computer, writes the files that the flight code
+reads, and reads them back to verify them.
 ")
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
@@ -89,7 +89,6 @@ missions, designs, filters and campaigns that come with it are in
 ")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_MULTIARCH same)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/package/triggers)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "control gains for small multirotors: shared libraries
 ${about}
@@ -109,7 +108,6 @@ pkg-config find them with.
 
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
-set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_MULTIARCH foreign)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_DOCUMENTATION_DESCRIPTION "control gains for small multirotors: documentation
 ${about}
