@@ -16,7 +16,7 @@ set(development libquadtune-dev)
 set(documentation quadtune-doc)
 set(python python3-quadtune)
 set(components program library development documentation)
-if(QUADTUNE_PYTHON)
+if(TARGET quadtune_python)
   list(APPEND components python)
 endif()
 

@@ -134,7 +134,7 @@ done
 
 if has python3-quadtune; then
   say "the tests of the Python module"
-  cp -r "$here/../../python/tests" "$root/root/work/python_tests"
+  cp -r "$here/../python" "$root/root/work/python_tests"
   quietly inside sh -c 'cd /root/work/python_tests && python3 -m unittest discover -v'
   ! grep -q '^Ran 0 tests' "$work/output" || fail "no test of the Python module was found"
 fi
