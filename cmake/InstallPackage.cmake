@@ -9,8 +9,9 @@ configure_package_config_file(cmake/quadtune-config.cmake.in quadtune-config.cma
 write_basic_package_version_file(quadtune-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/quadtune-config.cmake
               ${PROJECT_BINARY_DIR}/quadtune-config-version.cmake
-        DESTINATION ${package_dir})
-install(EXPORT quadtune-targets NAMESPACE quadtune:: DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT development)
+install(EXPORT quadtune-targets NAMESPACE quadtune:: DESTINATION ${package_dir}
+        COMPONENT development)
 
 get_property(libraries GLOBAL PROPERTY QUADTUNE_LIBRARIES)
 list(TRANSFORM libraries PREPEND "-l" OUTPUT_VARIABLE QUADTUNE_PC_LIBS)
@@ -20,6 +21,7 @@ list(JOIN QUADTUNE_PC_DEFINITIONS " " QUADTUNE_PC_DEFINITIONS)
 file(RELATIVE_PATH QUADTUNE_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" QUADTUNE_PC_PREFIX "${QUADTUNE_PC_PREFIX}")
 configure_file(cmake/quadtune.pc.in quadtune.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/quadtune.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/quadtune.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)
 
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)

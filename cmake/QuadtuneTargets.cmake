@@ -72,7 +72,7 @@ endif()
 add_library(quadtune_all INTERFACE)
 add_library(quadtune::quadtune ALIAS quadtune_all)
 set_target_properties(quadtune_all PROPERTIES EXPORT_NAME quadtune)
-install(TARGETS quadtune_all EXPORT quadtune-targets)
+install(TARGETS quadtune_all EXPORT quadtune-targets COMPONENT development)
 
 # A library keeps to its own copies of Eigen's templates, not to the slower ones of a program that
 # was compiled for any machine; and whatever it calls must be in a library it may know.
@@ -110,7 +110,9 @@ function(quadtune_library name)
   quadtune_keeps_to_itself(${target})
   quadtune_variants(${target} KERNELS ${ARG_KERNELS} AVX2_KERNELS ${ARG_AVX2_KERNELS}
                     PACKED_KERNELS ${ARG_PACKED_KERNELS} LINK ${ARG_PUBLIC} ${ARG_PRIVATE})
-  install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
+  install(TARGETS ${target} EXPORT quadtune-targets
+          LIBRARY COMPONENT library NAMELINK_COMPONENT development
+          FILE_SET HEADERS COMPONENT development)
   target_link_libraries(quadtune_all INTERFACE ${target})
   set_property(GLOBAL APPEND PROPERTY QUADTUNE_LIBRARIES ${target})
 endfunction()

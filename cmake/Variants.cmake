@@ -80,6 +80,7 @@ function(quadtune_variants target)
     if(variant STREQUAL QUADTUNE_LOADED_VARIANT)
       add_dependencies(quadtune_loaded_variant ${copy})
     endif()
-    install(TARGETS ${copy} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder} NAMELINK_SKIP)
+    install(TARGETS ${copy} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder}
+            COMPONENT library NAMELINK_SKIP)
   endforeach()
 endfunction()
