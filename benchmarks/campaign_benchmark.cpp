@@ -217,7 +217,7 @@ void make_up(const fs::path& folder, const std::string& plan) {
     std::FILE* file = std::fopen((folder / fmt::format("{:05}.flights", shard)).c_str(), "wb");
     const bool written = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
     if (!file || std::fclose(file) != 0 || !written)
-      throw std::runtime_error("made-up flights cannot be written");
+      throw std::runtime_error("simulated flights cannot be written");
   }
 }
 
@@ -261,7 +261,7 @@ void time_stages(const fs::path& path, const std::string& plan) {
       wall_of([&] { write_campaign_database(path / "stage.sqlite", campaign, drawn, records); }, 1);
   fmt::print(
       "\nof it: shards read {:.2f} s; drawn again {:.2f} s and statistics {:.2f} s on 2 threads; "
-      "flights.csv {:.2f} s beside campaign.sqlite {:.2f} s\n",
+      "flights.csv {:.2f} s, campaign.sqlite {:.2f} s\n",
       read.median, draws.median, summed.median, csv.median, database.median);
 }
 

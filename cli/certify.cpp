@@ -28,7 +28,7 @@ struct Options {
   std::uint64_t budget = 20000;
 };
 
-/// Wrong ranges are told before the export is read.
+/// Wrong ranges are reported before the export is read.
 CertifyOptions certify_options(const Options& options, const Context& context) {
   CertifyOptions certify;
   certify.vehicle = options.vehicle;
@@ -85,9 +85,9 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--vehicle V", options.vehicle,
                   "the vehicle, where the manifest's is not built in");
   line.add_option("--plant NAME", options.plant,
-                  "flown (default) also looks at vehicles of the box with their sensors and "
+                  "flown (default) also analyses vehicles of the box with their sensors and "
                   "estimator; ideal does not");
-  line.add_count("--budget N", options.budget, 1, "boxes that a proof may look at (default 20000)");
+  line.add_count("--budget N", options.budget, 1, "boxes that a proof may examine (default 20000)");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ DesignOutcome designed_and_flown(const Options& options, const Context& context)
   return outcome;
 }
 
-/// The exports, and beside them a page for each mission.
+/// Writes the exports, and next to them a page for each mission.
 std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory,
                                      Context& context) {
   const auto write = [&](const std::filesystem::path& place, ExportKind kind,

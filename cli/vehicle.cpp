@@ -26,7 +26,7 @@
 namespace quadtune::cli {
 namespace {
 
-/// What `vehicle new` was told, as it was written.
+/// The options of `vehicle new` in the words of the command line.
 struct MeasuredWords {
   std::optional<std::string> mass, arm, propeller, max_thrust, max_speed, hover_speed, lag, inertia;
   std::optional<double> thrust_to_weight;

@@ -69,7 +69,7 @@ FirmwareParameters noises_of(const Firmware& target, const ExportContent& conten
     throw InvalidInput(
         to_string(target.kind),
         "noise of the estimator was asked for, but the design has no general filter, "
-        "expected one, as a design for sensors that it can use has");
+        "expected an estimator for sensors that the flight code can use");
   return noise_parameters(target, *content.estimator->general);
 }
 

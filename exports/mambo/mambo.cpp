@@ -144,7 +144,7 @@ void add_mixer(MFile& m, const Vehicle& vehicle) {
   m.expression("Controller.Q2Ts", "inv(Controller.Ts2Q)");
   m.number("Controller.takeoffGain", vehicle.takeoff_gain, "thrust at take-off is (1 + it) m g");
   m.number("Controller.totalThrustMaxRelative", vehicle.altitude_thrust_fraction,
-           "of the greatest thrust, left to the altitude loop");
+           "of the maximum thrust, left to the altitude loop");
   m.expression("Controller.motorsThrustPerMotorMax",
                "Vehicle.Motor.maxLimit*Vehicle.Motor.commandToW2Gain*Vehicle.Rotor.Ct*rho*"
                "Vehicle.Rotor.area*Vehicle.Rotor.radius^2",

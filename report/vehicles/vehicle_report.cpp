@@ -200,7 +200,7 @@ std::string battery_text(const std::optional<Battery>& battery) {
       number(battery->full_voltage), number(battery->cutoff_voltage),
       number(battery->rated_voltage), number(battery->resistance), number(battery->efficiency),
       number(battery->idle_power),
-      battery->regulated ? "only the greatest speed falls with the voltage"
+      battery->regulated ? "only the maximum speed falls with the voltage"
                          : "every speed falls with the voltage");
 }
 
@@ -275,7 +275,7 @@ std::string to_text(const Vehicle& vehicle) {
   text += section("drag", drag_text(vehicle.drag));
   text += section("sensors", sensors_text(vehicle));
   text += section("battery", battery_text(vehicle.battery));
-  text += section("flight", fmt::format("thrust at take-off {} m g; {} of the greatest thrust for "
+  text += section("flight", fmt::format("thrust at take-off {} m g; {} of the maximum thrust for "
                                         "the altitude loop",
                                         number(1 + vehicle.takeoff_gain),
                                         number(vehicle.altitude_thrust_fraction)));

@@ -64,7 +64,7 @@ void validate(const LoopFamily& family, const std::string& where) {
                                             p.name, p.low, p.high, p.nominal));
   if (!(family.max_scale > 0) || !std::isfinite(family.max_scale))
     throw InvalidInput(
-        where, fmt::format("the greatest scale is {}, expected more than 0", family.max_scale));
+        where, fmt::format("the maximum scale is {}, expected more than 0", family.max_scale));
 }
 
 ParameterBox scaled_box(const LoopFamily& family, double scale) {

@@ -120,7 +120,7 @@ TEST(VehicleShow, TellsEverything) {
   const std::string mambo = run_program({"vehicle", "show", "mambo"}).out;
   for (const char* words :
        {"radius 0.033 m; chord 0.008 m; 2 blades", "signs 1 -1 1 -1", "sonar         200 Hz",
-        "rotor.lag_s = 0 s: speeds follow", "1.45 m g; 0.92 of the greatest thrust",
+        "rotor.lag_s = 0 s: speeds follow", "1.45 m g; 0.92 of the maximum thrust",
         "published   PID cascade every 0.005 s"})
     EXPECT_THAT(mambo, HasSubstr(words));
   // Values of the file are not listed as assumed.

@@ -54,7 +54,7 @@ struct Kind {
 /// The text with one part replaced.
 /// @throws std::runtime_error  if it does not contain the part
 [[nodiscard]] std::string with(std::string text, const std::string& part, const std::string& by);
-/// `t_s,y[m],az[m/s^2],height[m]`, a made-up log of a vehicle that moves up and down.
+/// `t_s,y[m],az[m/s^2],height[m]`, a synthetic log of a vehicle that moves up and down.
 [[nodiscard]] std::string small_log_text();
 
 }  // namespace quadtune::mutations

@@ -154,7 +154,7 @@ int run(const Arguments& arguments) {
   fmt::print("{} cases of {} kinds, seed {}, {} commands in {:.0f} s; ended with", tally.cases,
              kinds.size(), arguments.seed, tally.commands, seconds());
   for (const auto& [status, count] : tally.statuses) fmt::print(" {}: {}", status, count);
-  fmt::print("; told to stop {}; findings {}\n", tally.stopped, tally.findings);
+  fmt::print("; interrupted {}; findings {}\n", tally.stopped, tally.findings);
   return tally.findings == 0 ? 0 : 1;
 }
 

@@ -184,7 +184,7 @@ report::FlightReport sample_flight(double duration, double rate) {
   report.version = "0.1.0";
   report.seed = "42";
   report.log.about = {
-      {"vehicle", "made up for the tests: 1.7 kg, X layout, arm 0.25 m"},
+      {"vehicle", "synthetic, for the tests: 1.7 kg, X layout, arm 0.25 m"},
       {"mission", "take off, figure of eight at 2.5 m, 9 m long, 8.4 s a lap"},
       {"controller", "LQR with integrals of position and yaw, every 10 ms"},
       {"estimator", "extended Kalman filter, every 5 ms"},

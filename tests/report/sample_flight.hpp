@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A made-up flight with everything that a report can show, for its tests and for viewing.
+/// A synthetic flight with everything that a report can show, for its tests and for viewing.
 #pragma once
 
 #include <string>

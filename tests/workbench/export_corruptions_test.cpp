@@ -402,7 +402,7 @@ std::string undetectable(const std::string& kind, const std::string& file,
         if (!line.starts_with("# Note: ")) others += line;
       return others;
     };
-    if (notes(before) == notes(after)) return "a note tells of a cascade that is in no file";
+    if (notes(before) == notes(after)) return "a note mentions a cascade that is in no file";
   }
   if (cover == Cover::hash) return "";
   if (file.starts_with("kalman-")) return "covariances are those of the design";

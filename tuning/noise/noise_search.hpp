@@ -16,7 +16,7 @@ namespace quadtune::internal {
 /// makes copies if several threads are used.
 class NoiseObjective {
  public:
-  /// @param told  called with the value after each evaluation that has one; may be empty
+  /// @param told callback with the value after each evaluation that has one; may be empty
   explicit NoiseObjective(const InnovationLikelihood& likelihood, std::size_t threads = 1,
                           std::function<void(double value)> told = {})
       : likelihood_(likelihood), threads_(threads), told_(std::move(told)) {}

@@ -105,7 +105,7 @@ std::string to_string(FileKind kind) {
     case FileKind::other_json:
       return "JSON, but neither gains nor an export";
     case FileKind::page:
-      return "a page to look at";
+      return "a page for a browser";
   }
   return "";
 }

@@ -94,7 +94,7 @@ SensorAllan allan_of_log(const AllanOptions& options) {
 
 SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
   SimulatedGyroscope made = simulate_gyroscope(seed);
-  return analysed({fmt::format("made up with seed {}", seed), "wz", unit.empty() ? "rad/s" : unit,
+  return analysed({fmt::format("simulated with seed {}", seed), "wz", unit.empty() ? "rad/s" : unit,
                    std::move(made.rate), 1 / made.sample_rate},
                   taus);
 }

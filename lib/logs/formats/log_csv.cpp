@@ -80,10 +80,10 @@ struct Line {
 };
 
 [[noreturn]] void refuse_number(std::string_view word, const std::string& where) {
-  throw InvalidInput(where,
-                     fmt::format("'{}' is not a number in the range of a double, expected one, or "
-                                 "an empty field",
-                                 printable(word)));
+  throw InvalidInput(
+      where, fmt::format("'{}' is not a number in the range of a double; expected a number, or "
+                         "an empty field",
+                         printable(word)));
 }
 
 // Parses the number at the beginning of `rest` and removes it. Denormal numbers are accepted by

@@ -34,7 +34,7 @@ struct TextLayout {
   /// Ticks per second of the parts of the time, increasing; may be empty
   std::vector<double> ticks;
   std::optional<UnstatedClock> unstated;  ///< the only part of the time, with an assumed unit
-  std::vector<std::string> notes;         ///< assumptions made without being told by the user
+  std::vector<std::string> notes;         ///< assumptions that the user did not confirm
 };
 
 /// The separator of a line of names, or of numbers.

@@ -54,7 +54,7 @@ TEST_F(LogSignals, OfOneThatStandsForAnythingHaveToBeNamed) {
         << log;
 }
 
-/// A flight log's columns that tell what it is, and some of its sensors: tilted by half a right
+/// A flight log's columns that identify it, and some of its sensors: tilted by half a right
 /// angle about x, falling freely but for a force of 1 m/s² along body z.
 constexpr const char* kFlight =
     "# quadtune-log,1\n"

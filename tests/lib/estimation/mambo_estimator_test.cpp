@@ -359,7 +359,7 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
   EXPECT_GT((filtered_sum - raw_sum).norm(), 1e-3);
 }
 
-// Its position is some metres off; images at 5 Hz, read in 0.2 s, tell it. A scalar filter of what
+// Its position is some metres off; images at 5 Hz, processed in 0.2 s, measure it. A scalar filter of what
 // random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
 // period's.
 TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
@@ -378,7 +378,7 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
     const Vector2d truth = x.head<2>() + (k - 1) * 0.005 * x.segment<2>(6);
     Frame frame = perfect_frame(x);
     frame.vision.age = 0.2;
-    frame.vision.value << truth - 0.2 * x.segment<2>(6), 77;  // its height is not looked at
+    frame.vision.value << truth - 0.2 * x.segment<2>(6), 77;  // its height is not used
     frame.vision.fresh = k % kPeriods == 1 && k > 1;
     estimate = step(settings, state, frame);
     if (frame.vision.fresh) {
@@ -396,7 +396,7 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   raw.position = MamboPosition::flow_velocity;
   EXPECT_THAT(step(raw, state, perfect_frame(x)).x.head<2>(),
               MatrixNear(Vector2d(8000 * 0.005 * x.segment<2>(6)), 1e-6));
-  // What is not a number is not looked at.
+  // Values that are not numbers are ignored.
   Frame bad = perfect_frame(x);
   bad.vision = {Vector3d(kNaN, 0, 0), true, 0};
   EXPECT_THAT(step(settings, state, bad).x.head<2>(),

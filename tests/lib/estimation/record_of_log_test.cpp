@@ -167,7 +167,7 @@ TEST(RecordOfLog, TakesASparseTruthWhereItIsToldAlone) {
   EXPECT_NEAR(known[30], 11, 1e-12);
   EXPECT_EQ(std::count_if(known.begin(), known.end(), [](double x) { return std::isfinite(x); }),
             3);
-  // Of another time it tells nothing.
+  // It says nothing about another time.
   EXPECT_THAT(
       [&] { (void)truth_at(100); },
       ThrowsMessage<InvalidInput>(StrEq(

@@ -583,7 +583,7 @@ TEST(UquadFilter, FindsOffsetsWhileItStands) {
   EXPECT_NEAR(state.pressure_zero, 99000, 1e-9);
   EXPECT_NEAR(state.field_norm, kEarthField.norm(), 1e-12);
   EXPECT_THAT(state.kalman.x.head<12>(), MatrixNear(truth, 1e-12));
-  // Then it goes on standing, neither falling nor drifting, until it is told otherwise.
+  // Then it stays at rest, neither falling nor drifting.
   Estimate<double> estimate;
   for (int k = 0; k < 1000; ++k)
     estimate = step(settings, state, frame, body, Speeds(Speeds::Zero(4)), true);

@@ -144,17 +144,20 @@ TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
        "f.csv:3: the row has 1 fields, expected 2 because there are as many names"},
       {"\n0\n", "f.csv:3: the row has 1 fields, expected 0 because there are as many names"},
       {"t[s]\n0x1\n",
-       "f.csv:3: '0x1' is not a number in the range of a double, expected one, or an empty field"},
+       "f.csv:3: '0x1' is not a number in the range of a double; expected a number, or an empty "
+       "field"},
       {"t[s]\n1e999\n",
-       "f.csv:3: '1e999' is not a number in the range of a double, expected one, or an empty "
+       "f.csv:3: '1e999' is not a number in the range of a double; expected a number, or an empty "
        "field"},
       {"t[s],x[m]\n one,2\n",
-       "f.csv:3: ' one' is not a number in the range of a double, expected one, or an empty field"},
+       "f.csv:3: ' one' is not a number in the range of a double; expected a number, or an empty "
+       "field"},
       {"t[s]\n\"1\"\n",
-       "f.csv:3: '\"1\"' is not a number in the range of a double, expected one, or an empty "
+       "f.csv:3: '\"1\"' is not a number in the range of a double; expected a number, or an empty "
        "field"},
       {"t[s]\n1\n# event,1,a,b\n",
-       "f.csv:4: '# event' is not a number in the range of a double, expected one, or an empty "
+       "f.csv:4: '# event' is not a number in the range of a double; expected a number, or an "
+       "empty "
        "field"},
       {"t\n",
        "f.csv:2: 't' is not a column title, expected a name and its unit in brackets, such as "
@@ -179,7 +182,8 @@ TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
       {"# about,a\nt[s]\n", "f.csv:2: 'about' has 2 fields, expected 3"},
       {"# event,1,a\nt[s]\n", "f.csv:2: 'event' has 3 fields, expected 4"},
       {"# event,,a,b\nt[s]\n",
-       "f.csv:2: '' is not a number in the range of a double, expected one, or an empty field"},
+       "f.csv:2: '' is not a number in the range of a double; expected a number, or an empty "
+       "field"},
       {"# evnt,1,a,b\nt[s]\n",
        "f.csv:2: '# evnt' is not known, expected '# about', '# event', "
        "'# note' or '# rows'; did you mean ' event'?"},
@@ -360,9 +364,8 @@ TEST(Logs, TheEndingOfTheNameTellsTheFormat) {
   EXPECT_EQ(log_bytes(small_log(), "out/a.b.csv"), csv_of(small_log()));
   EXPECT_EQ(log_bytes(small_log(), "out/a.b.mat"), bytes_of_mat(small_log()));
   for (const char* path : {"flight", "flight.txt", "flight.CSV", "csv", ".csv", "out.csv/flight"}) {
-    const std::string message = std::string("'") + path +
-                                "' tells no format of a log, expected a name that ends in .csv or "
-                                ".mat";
+    const std::string message = std::string("cannot tell the log format from '") + path +
+                                "': use a file name that ends in .csv or .mat";
     EXPECT_THAT([&] { require_log_name(path, "--log"); },
                 ThrowsMessage<InvalidInput>(StrEq("--log: " + message)));
     EXPECT_THAT([&] { std::ignore = log_bytes(small_log(), path); },

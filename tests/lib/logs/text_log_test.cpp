@@ -177,7 +177,7 @@ TEST(TextLog, TakesTimesSince1970InTheUnitThatTheirValuesShow) {
                                             std::string(one.said) + " since 1970"),
                                   HasSubstr("with samples 0.005 s apart"))))
         << one.names;
-    // Who states the unit is not told of it.
+    // No note if the user states the unit.
     EXPECT_THAT(read_bytes(clocked(one.names, one.first, one.step), with_columns("t_ns:1, x:2"))
                     .condition.notes,
                 IsEmpty());
@@ -202,7 +202,7 @@ TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
         << one.first;
   EXPECT_THAT(read_bytes("0 1\n4000 2\n8000 3\n", with_columns("t:1, x:2")).condition.unclear_time,
               HasSubstr("the clock column 1 states no unit"));
-  // Who looks at the log is told, who works with its times refused.
+  // `log` prints a note; commands that use the times reject the log.
   const testing::TemporaryDirectory folder;
   const std::string file = folder.write("us.csv", clocked("timestamp,x", 0, 4000));
   EXPECT_THAT(read_whole(*open_log(file)).condition.notes,

@@ -108,7 +108,7 @@ TEST(PackMath, ArcTangentOfTwoKnowsItsQuadrant) {
   const auto at = [](double y, double x) { return lane(atan2(Pack<1>(y), Pack<1>(x)), 0); };
   EXPECT_EQ(at(0, 1), 0);
   EXPECT_EQ(at(0, -1), kPi);
-  EXPECT_EQ(at(-0.0, -1), kPi);  // the sign of zeros is not looked at
+  EXPECT_EQ(at(-0.0, -1), kPi);  // the sign of zero is ignored
   EXPECT_EQ(at(1, 0), kPi / 2);
   EXPECT_EQ(at(-1, 0), -kPi / 2);
   EXPECT_EQ(at(1, -0.0), kPi / 2);

@@ -93,7 +93,7 @@ TEST(Plausibility, DetectsWrongUnits) {
 TEST(Plausibility, FindsSpeedsInRpm) {
   for (const std::string& name : built_in_vehicles()) {
     Vehicle vehicle = load_vehicle(name);
-    // The curves and the limits alike: the vehicle hovers at the same share of its greatest speed.
+    // The curves and the limits alike: the vehicle hovers at the same share of its maximum speed.
     scale(vehicle, &Rotor::thrust_a2, kRpm * kRpm);
     scale(vehicle, &Rotor::thrust_a1, kRpm);
     scale(vehicle, &Rotor::torque_d2, kRpm * kRpm);

@@ -127,7 +127,7 @@ TEST(RankCorrelation, IsSpearmans) {
   EXPECT_GT(rank_correlation(x, reached).value, 0.95);
 }
 
-/// Made-up records: the first design fails where the mass is large.
+/// Synthetic records: the first design fails where the mass is large.
 TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
   Campaign campaign;
   CampaignCase of;
@@ -194,7 +194,7 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
     }
 }
 
-// What a limit is broken by is told in words where it is no number.
+// A violation that is not a number is described in words.
 TEST(CampaignStatistics, TellsTheWorstOfFiguresThatWereNotReached) {
   Campaign campaign;
   CampaignCase of;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The experiments of the Mambo thesis, flown again: what theory predicts, what comes out, and
-// docs/experiments.md with both beside the thesis's own figures.
+// docs/experiments.md with both next to the thesis's own figures.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -205,7 +205,7 @@ height_m = 1.1
 struct FlowFlight {
   FlightResult flight;
   double mean = 0;    // distance from the true position to the believed one [m]
-  double torque = 0;  // greatest |tau_y| after 80 s [N m]; NaN: it did not come so far
+  double torque = 0;  // maximum |tau_y| after 80 s [N m]; NaN: it did not come so far
 };
 
 FlowFlight fly_flow(const FlightSetup& setup) {

@@ -81,7 +81,7 @@ TEST(FlightEvent, MotorsKeepAShareOfTheirThrust) {
   EXPECT_EQ(upsets(result).at(0).detail, "motor 2 keeps 0.8 of its thrust");
 }
 
-// A motor that fails is told nothing any more and runs down with its lag.
+// A failed motor receives no commands and slows down with its lag.
 TEST(FlightEvent, MotorsStopForGood) {
   for (const double lag : {0.0, 0.03}) {
     const FlightResult result =

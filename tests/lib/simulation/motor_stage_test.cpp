@@ -113,7 +113,7 @@ TEST(MotorStage, CommandsBecomeSpeeds) {
   EXPECT_EQ(at(speeds, 1), 0);
 }
 
-// Regulated motors turn as told up to what the voltage allows; others follow it in proportion.
+// Regulated motors turn as commanded up to what the voltage allows; others follow it in proportion.
 TEST(MotorStage, ABatteryTakesItsShare) {
   const Vehicle vehicle = plus_quadrotor();
   const MotorStage<1> stage({&vehicle});

@@ -61,7 +61,7 @@ TEST(OwnEstimator, ThatReturnsTheTrueStateFliesAsTruthDoes) {
   EXPECT_THAT(found.log.about,
               ::testing::Contains(std::pair<std::string, std::string>("estimator", "mine")));
   EXPECT_STREQ(first_difference(found, expected), "");
-  // Beside others it flies alone, with the same result.
+  // Among others it flies alone, with the same result.
   const std::vector<FlightSetup> many = {setup, estimated_flight(EstimatorKind::truth), setup};
   const std::vector<FlightResult> all = fly_all(many, 1);
   EXPECT_EQ(all[0].final_state, all[1].final_state);

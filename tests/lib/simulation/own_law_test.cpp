@@ -125,7 +125,7 @@ TEST(OwnLaw, ThatIsTheBuiltInOneFliesTheSameFlight) {
       ASSERT_EQ(expected.end, FlightEnd::completed);
       found.log.about = expected.log.about;  // which names the law
       EXPECT_STREQ(first_difference(found, expected), "");
-      // Beside others it flies alone, with the same result.
+      // Among others it flies alone, with the same result.
       const std::vector<FlightSetup> many = {mine, built_in, mine};
       const std::vector<FlightResult> all = fly_all(many, 1);
       EXPECT_EQ(all[0].final_state, found.final_state);

@@ -161,7 +161,7 @@ TEST(SensorDrift, FlowIsLostAboveItsHeight) {
 }
 
 // What a flight reads at its first instant is off by the drawn bias, and the estimator that begins
-// in the air is told the file's bias alone.
+// in the air receives only the bias of the file.
 TEST(SensorDrift, IsNotToldToTheEstimator) {
   FlightSetup setup = hover_at(1);
   setup.estimator = EstimatorKind::mambo;

@@ -172,7 +172,7 @@ TEST(Kalman, RejectsCorrelationsAboveOne) {
       return kalman(altitude_model(), noise);
     };
     EXPECT_TRUE(found(0.999).solved()) << found(0.999).culprit;
-    EXPECT_NO_THROW((void)found(1));  // but nothing drives the states that v does not tell
+    EXPECT_NO_THROW((void)found(1));  // but nothing drives the states that v does not determine
     for (const double correlation : {1.001, -2.0})
       EXPECT_THAT([&] { (void)found(correlation); },
                   ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] is indefinite")));

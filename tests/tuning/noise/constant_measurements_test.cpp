@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 /// This many instants every 0.01 s; inputs 0.
 FilterRecord still(const FilterModel& model, Index samples, double value) {
-  FilterRecord record{"made up",
+  FilterRecord record{"synthetic",
                       {},
                       MatrixXd::Constant(model.outputs(), samples, value),
                       MatrixXd::Zero(static_cast<Index>(model.inputs.size()), samples)};

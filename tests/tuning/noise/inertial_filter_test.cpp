@@ -78,7 +78,7 @@ FilterRecord flown(const FilterModel& model, double seconds, std::uint64_t seed)
   };
   const double dt = 0.01;
   const auto N = static_cast<Index>(seconds / dt);
-  FilterRecord record{"made up", {}, MatrixXd::Constant(7, N, std::nan("")), MatrixXd(6, N)};
+  FilterRecord record{"synthetic", {}, MatrixXd::Constant(7, N, std::nan("")), MatrixXd(6, N)};
   const Flight flight;
   Vector3d gyro_offset(0.02, -0.05, 0.01), force_offset(0.1, -0.05, 0.2);
   for (Index k = 0; k < N; ++k) {
@@ -217,7 +217,7 @@ std::vector<FilterRecord> until(std::vector<FilterRecord> records, double second
 TEST(InertialFilter, EstimatesNoiseDensitiesFromAFlight) {
   QUADTUNE_REQUIRE_DATA(data);
   if (testing::kSanitized)
-    GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
+    GTEST_SKIP() << "minutes under sanitizers; synthetic flights take the same path";
   LogChannels imu =
       read_log_channels((data / "euroc" / "V1_01_easy_imu0.csv").string(),
                         {"w_RS_S_x", "w_RS_S_y", "w_RS_S_z", "a_RS_S_x", "a_RS_S_y", "a_RS_S_z"});
@@ -251,7 +251,7 @@ TEST(InertialFilter, EstimatesNoiseDensitiesFromAFlight) {
 TEST(InertialFilter, TunesBarometerAndGpsFromAReplay) {
   QUADTUNE_REQUIRE_DATA(data);
   if (testing::kSanitized)
-    GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
+    GTEST_SKIP() << "minutes under sanitizers; synthetic flights take the same path";
   FilterModel model = load_filter_model("inertial");
   model.gravity = Vector3d(0, 0, 9.81);  // north, east, down
   model.sensors[2].C(0, kInertialPosition + 2) = -1;
@@ -294,10 +294,11 @@ TEST(InertialFilter, RejectsStepsThatItCannotIntegrate) {
   const FilterModel model = known_noise();
   FilterRecord record = flown(model, 2, 1);
   for (double& time : record.time) time *= 1e9;
-  EXPECT_THAT([&] { (void)nonlinear_filter(model, {record}); },
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "made up: the inputs at 0 s are followed by the next after 1e+07 s, expected at "
-                  "most 20 s because the motion between them is integrated in steps of 0.02 s")));
+  EXPECT_THAT(
+      [&] { (void)nonlinear_filter(model, {record}); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "synthetic: the inputs at 0 s are followed by the next after 1e+07 s, expected at "
+          "most 20 s because the motion between them is integrated in steps of 0.02 s")));
 }
 
 TEST(InertialFilter, IsNotALinearModel) {

@@ -57,7 +57,7 @@ TEST(NoiseAgreement, HoldsIfTheModelIsRight) {
 FilterRecord restless(int samples, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  FilterRecord record{"made up", {}, MatrixXd(1, samples), MatrixXd(0, samples)};
+  FilterRecord record{"synthetic", {}, MatrixXd(1, samples), MatrixXd(0, samples)};
   double level = 0, time = 0;
   for (int k = 0; k < samples; ++k) {
     const bool late = k >= samples / 2;

@@ -48,7 +48,7 @@ TEST(LinearizedRecord, ChangesFromInstantToInstant) {
   // each is independent.
   FilterModel model = testing::local_level();
   const VectorXd theta = start_of(model);
-  FilterRecord record{"made up", {0, 1, 2}, MatrixXd(1, 3), MatrixXd(0, 3)};
+  FilterRecord record{"synthetic", {0, 1, 2}, MatrixXd(1, 3), MatrixXd(0, 3)};
   record.y << 3, 5, -1;
   record.start = FilterStart{VectorXd::Constant(1, 2), MatrixXd::Zero(1, 1)};
   const double c[] = {1, 2, -1}, f[] = {2, -0.5, 1};
@@ -81,7 +81,7 @@ TEST(LinearizedRecord, RejectsWrongShapes) {
 TEST(StudentsNoise, HasItsDensity) {
   FilterModel model = testing::local_level();
   model.sensors[0].student = 3.5;
-  FilterRecord record{"made up", {0, 1, 2, 3}, MatrixXd(1, 4), MatrixXd(0, 4)};
+  FilterRecord record{"synthetic", {0, 1, 2, 3}, MatrixXd(1, 4), MatrixXd(0, 4)};
   record.y << 0.3, -2, 11, 0;
   record.start = FilterStart{VectorXd::Zero(1), MatrixXd::Zero(1, 1)};
   VectorXd theta(2);

@@ -57,7 +57,7 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
     (rotor_thrust(body.rotors[0], middle, 1.0) < per_rotor ? low : high) = middle;
   }
   const auto N = static_cast<Index>(seconds / kBodyStep);
-  FilterRecord record{"made up",
+  FilterRecord record{"synthetic",
                       {},
                       MatrixXd::Constant(model.outputs(), N, std::nan("")),
                       MatrixXd::Constant(4, N, low)};

@@ -10,7 +10,6 @@
 #include "quadtune/tuning/imu_calibration.hpp"        // calibration of inertial sensors
 #include "quadtune/tuning/innovation_likelihood.hpp"  // the likelihood of logs under a filter model
 #include "quadtune/tuning/likelihood_profile.hpp"     // the likelihood along one parameter
-#include "quadtune/tuning/simulated_imu.hpp"          // a simulated inertial sensor
 #include "quadtune/tuning/match_gains.hpp"            // weights whose gain is a given one
 #include "quadtune/tuning/mission_search.hpp"         // the search for gains over missions
 #include "quadtune/tuning/mission_trial.hpp"          // the cost and the limits of that search
@@ -19,6 +18,7 @@
 #include "quadtune/tuning/noise_tuning.hpp"           // covariances from logs, with a verdict
 #include "quadtune/tuning/running_size.hpp"           // the size of innovations over time
 #include "quadtune/tuning/schedule.hpp"               // LQR gains over a grid of flights
+#include "quadtune/tuning/simulated_imu.hpp"          // a simulated inertial sensor
 #include "quadtune/tuning/smoother.hpp"               // all states of a record at once
 #include "quadtune/tuning/state_errors.hpp"           // errors of estimates
 #include "quadtune/tuning/stationary.hpp"             // where a sensor was stationary
