@@ -225,7 +225,7 @@ NoiseObjective::Value NoiseObjective::at(const VectorXd& theta, LikelihoodOrder 
     likelihood.information.resize(0, 0);
     best_ = {theta, result.value, std::move(likelihood)};
   }
-  if (told_) told_(result.value);
+  if (report_) report_(result.value);
   return result;
 }
 
@@ -235,8 +235,8 @@ void NoiseObjective::in_parallel(
   struct Thread {
     InnovationLikelihood likelihood;
     NoiseObjective objective;
-    Thread(const InnovationLikelihood& of, const std::function<void(double)>& told)
-        : likelihood(of), objective(likelihood, 1, told) {}
+    Thread(const InnovationLikelihood& of, const std::function<void(double)>& report)
+        : likelihood(of), objective(likelihood, 1, report) {}
   };
   std::mutex mutex;
   std::vector<std::unique_ptr<Thread>> threads;
@@ -254,7 +254,7 @@ void NoiseObjective::in_parallel(
         [&]() -> PartWorker {
           const std::lock_guard lock(mutex);
           const NoiseObjective& objective =
-              threads.emplace_back(std::make_unique<Thread>(likelihood_, told_))->objective;
+              threads.emplace_back(std::make_unique<Thread>(likelihood_, report_))->objective;
           return [&one, &objective](std::size_t part) { one(part, objective); };
         },
         {});

@@ -16,10 +16,10 @@ namespace quadtune::internal {
 /// makes copies if several threads are used.
 class NoiseObjective {
  public:
-  /// @param told callback with the value after each evaluation that has one; may be empty
+  /// @param report callback with the value after each evaluation that has one; may be empty
   explicit NoiseObjective(const InnovationLikelihood& likelihood, std::size_t threads = 1,
-                          std::function<void(double value)> told = {})
-      : likelihood_(likelihood), threads_(threads), told_(std::move(told)) {}
+                          std::function<void(double value)> report = {})
+      : likelihood_(likelihood), threads_(threads), report_(std::move(report)) {}
 
   struct Value {
     bool computed = false;
@@ -55,7 +55,7 @@ class NoiseObjective {
  private:
   const InnovationLikelihood& likelihood_;
   std::size_t threads_;
-  std::function<void(double)> told_;
+  std::function<void(double)> report_;
   mutable int evaluations_ = 0;
   mutable Best best_;
 };

@@ -169,7 +169,8 @@ std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double 
 
 /// Computes the gains of `cascade` as `quadtune pid V` does, with its period. Limits that are not
 /// set get the values of `fly V`.
-void design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
+/// @return  whether the gains are for the flown plant; else the cascade has a specification
+bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
   (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
   CascadeController flown;
   if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt)) {
@@ -183,6 +184,7 @@ void design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
   if (std::isinf(cascade.attitude_limit)) cascade.attitude_limit = flown.attitude_limit;
   if (std::isinf(cascade.integrator_limit)) cascade.integrator_limit = flown.integrator_limit;
   if (cascade.back_calculation == 0) cascade.back_calculation = kDesignedBackCalculation;
+  return !cascade.specification;
 }
 
 }  // namespace
@@ -205,7 +207,7 @@ CascadeDesign usual_cascade(const Vehicle& vehicle) {
   cascade.gains.dt = usual_specification(vehicle).dt;
   cascade.velocity_feed_forward = true;
   cascade.conditional_integration = true;
-  design_as_usual(vehicle, cascade);
+  (void)design_as_usual(vehicle, cascade);
   return cascade;
 }
 
@@ -236,7 +238,8 @@ DesignOutcome solve_laws(Design design) {
     outcome.model = linearize_or_refuse(vehicle, outcome.design.condition, {}, where);
   if (outcome.design.cascade) {
     CascadeDesign& cascade = *outcome.design.cascade;
-    if (cascade.gains.loops.empty() && !cascade.specification) design_as_usual(vehicle, cascade);
+    if (cascade.gains.loops.empty() && !cascade.specification)
+      outcome.cascade_for_flown_plant = design_as_usual(vehicle, cascade);
     outcome.cascade = cascade.specification
                           ? design_cascade(vehicle, *cascade.specification, where)
                           : assess_written_cascade(vehicle, cascade.gains, cascade.method, where);
@@ -257,7 +260,7 @@ void analyse_flown_loops(DesignOutcome& outcome) {
   try {
     outcome.flown = flown_laws(design.vehicle, outcome.gains, cascade,
                                stored_estimator(design.vehicle, program_estimator(design), dt),
-                               design.lqr.has_value());
+                               design.lqr.has_value(), outcome.cascade_for_flown_plant);
   } catch (const std::exception& error) {
     outcome.flown = {{outcome.gains ? "state feedback" : "PID cascade", {}, error.what()}};
   }
@@ -307,11 +310,13 @@ DesignOutcome design(const Vehicle& vehicle, const DesignRequirements& requireme
   asked.lqr = requirements.lqr;
   asked.lqi = requirements.lqi;
   asked.cascade = requirements.cascade;
-  if (!has_feedback(asked) && !asked.cascade) asked.cascade = usual_cascade(vehicle);
+  const bool usual = !has_feedback(asked) && !asked.cascade;
+  if (usual) asked.cascade = usual_cascade(vehicle);
   asked.kalman = requirements.kalman;
   asked.missions = requirements.missions;
   for (MissionRequest& mission : asked.missions) complete(mission, asked);
   DesignOutcome outcome = run_design(std::move(asked));
+  outcome.cascade_for_flown_plant = usual && !outcome.design.cascade->specification;
   outcome.flights =
       fly_missions(outcome, requirements.seed, requirements.keep_logs, stop, requirements.seeds);
   outcome.disturbed = fly_disturbed(outcome, requirements.seed, stop);

@@ -49,10 +49,9 @@ std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   if (outcome.margins) add("", margin_warnings(*outcome.margins));
   // The loops of a cascade that was designed for the flown plant are judged there: the textbook
   // plant lacks the reaction torque of the rotors, without which yaw has a much smaller margin.
-  const bool designed = outcome.design.cascade && outcome.design.cascade->specification;
   const bool analysed = std::any_of(outcome.flown.begin(), outcome.flown.end(),
                                     [](const FlownLaw& law) { return law.loop.has_value(); });
-  if (outcome.cascade && !(designed && analysed))
+  if (outcome.cascade && !(outcome.cascade_for_flown_plant && analysed))
     add("cascade: ", cascade_warnings(*outcome.cascade));
   for (const FlownLaw& law : outcome.flown)
     if (law.loop) add("flown loop: ", margin_warnings(law.loop->margins));

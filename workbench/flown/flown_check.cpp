@@ -63,14 +63,15 @@ bool has_flown_loop(const TrimResult& trim) {
 
 std::vector<FlownLaw> flown_laws(const Vehicle& vehicle, const std::optional<Gains>& gains,
                                  const std::optional<CascadeDesign>& cascade,
-                                 const std::optional<StoredEstimator>& estimator, bool margins) {
+                                 const std::optional<StoredEstimator>& estimator, bool margins,
+                                 bool cascade_margins) {
   std::vector<FlownLaw> laws;
   if (gains && gains->dt > 0 && has_flown_loop(linearization_of(vehicle, *gains).trim))
     laws.push_back(analysed(vehicle, feedback_controller(*gains, gains->dt), estimator,
                             gains->convention, "state feedback", margins));
   if (cascade)
     laws.push_back(analysed(vehicle, cascade_controller(*cascade, cascade->gains), estimator, "",
-                            "PID cascade", false));
+                            "PID cascade", cascade_margins));
   return laws;
 }
 

@@ -70,6 +70,7 @@ struct DesignOutcome {
   Eigen::VectorXcd poles;                ///< of the flown loop, integrals included
   std::optional<MarginsReport> margins;  ///< of the flown loop, cut at the plant's inputs
   std::optional<CascadeReport> cascade;
+  bool cascade_for_flown_plant = false;  ///< whether the cascade was designed for the flown plant
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
   /// The loops of the laws with motor lag, sensors and estimator. For a state feedback designed on

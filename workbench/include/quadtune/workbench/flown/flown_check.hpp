@@ -35,12 +35,13 @@ struct FlownLaw {
 /// @param cascade    a PID cascade
 /// @param estimator  with which the laws were designed; none: according to the gains' convention
 /// @param margins    whether margins of the state feedback's loops are computed
+/// @param cascade_margins  whether margins of the cascade's loops are computed
 /// @throws NoSolution  if the vehicle cannot fly the trim of the gains
 [[nodiscard]] std::vector<FlownLaw> flown_laws(const Vehicle& vehicle,
                                                const std::optional<Gains>& gains,
                                                const std::optional<CascadeDesign>& cascade,
                                                const std::optional<StoredEstimator>& estimator = {},
-                                               bool margins = false);
+                                               bool margins = false, bool cascade_margins = false);
 
 /// One check per law; its detail names the mode with the largest |z|, and the problem.
 [[nodiscard]] std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws);
