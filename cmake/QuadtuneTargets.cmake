@@ -85,6 +85,17 @@ endfunction()
 
 # quadtune_library(synthesis SOURCES … KERNELS … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
+# A regular expression of the headers that are not installed (scripts/implementation_headers.txt).
+function(quadtune_internal_headers result)
+  set(list ${PROJECT_SOURCE_DIR}/scripts/implementation_headers.txt)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list})
+  file(STRINGS ${list} lines REGEX "^quadtune/")
+  list(TRANSFORM lines REPLACE " .*$" "")
+  list(TRANSFORM lines REPLACE "[.]" "[.]")
+  list(JOIN lines "|" names)
+  set(${result} ${names} PARENT_SCOPE)
+endfunction()
+
 # KERNELS, AVX2_KERNELS and PACKED_KERNELS are sources whose speed depends on the processor's vector
 # instructions (Variants.cmake).
 function(quadtune_library name)
@@ -99,7 +110,14 @@ function(quadtune_library name)
     ${target} PROPERTIES EXPORT_NAME ${name}
                          VERSION ${PROJECT_VERSION}
                          SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${headers})
+  quadtune_internal_headers(internal)
+  set(for_users ${headers})
+  list(FILTER for_users EXCLUDE REGEX "/(${internal})$")
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${for_users})
+  list(REMOVE_ITEM headers ${for_users})
+  if(headers)
+    target_sources(${target} PRIVATE FILE_SET implementation TYPE HEADERS BASE_DIRS include FILES ${headers})
+  endif()
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_definitions(${target} PUBLIC ${QUADTUNE_EIGEN_ALIGNMENT})

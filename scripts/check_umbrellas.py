@@ -26,6 +26,7 @@ LIST = "scripts/implementation_headers.txt"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<](quadtune/[^">]+)[">](.*)$', re.MULTILINE)
 problems = []
+installed = set()  # implementation headers that the list marks with "+"
 
 
 def public_headers(source):
@@ -49,6 +50,9 @@ def read_list(source, headers):
         if not line or line.startswith("#"):
             continue
         header, _, reason = line.partition(" ")
+        if header.startswith("+"):
+            header = header[1:]
+            installed.add(header)
         if header not in headers:
             problems.append(f"{LIST}:{number}: there is no header {header}")
         elif not reason.strip():
@@ -140,6 +144,10 @@ def main():
         for included in includes(headers[header][1]):
             if included not in headers:
                 problems.append(f"{header} is for users and includes {included}, which is not installed")
+    for header in sorted(set(listed) & for_users - installed):
+        problems.append(f'{LIST}: a header for users includes {header}; mark it with "+"')
+    for header in sorted(installed - for_users):
+        problems.append(f'{LIST}: no header for users includes {header}; remove its "+"')
     if sys.argv[1] == "--unused":
         print("\n".join(sorted(set(listed) - for_users)))
     for problem in problems:

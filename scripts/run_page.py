@@ -4,7 +4,7 @@
 
 In a fenced block of the language `console`, a line that begins with "$ " is a command for bash, and
 the lines below it are what it prints, both streams together. A line "..." stands for any number of
-lines. The commands of a page run one after another in one folder, which has links to the vehicles,
+lines. A command must exit with 0, unless it ends with "# exit status N". The commands of a page run one after another in one folder, which has links to the vehicles,
 missions, designs and other examples of SOURCE; the program is found as `quadtune`. A block below the
 line `<!-- not run: WHY -->` is left out. Fences of the language `toml` or `python` whose first line
 is "# FILE.toml" or "# FILE.py" are written to that file first.
@@ -106,9 +106,11 @@ def run_page(program, source, page, update):
                     expected.pop()
                 while printed and not printed[-1]:
                     printed.pop()
-                if matches(expected, printed):
+                stated = re.search(r'# exit status (\d+)$', command)
+                status = int(stated.group(1)) if stated else 0
+                if matches(expected, printed) and result.returncode == status:
                     continue
-                if update and '...' not in (line.strip() for line in expected):
+                if update and result.returncode == status and '...' not in (line.strip() for line in expected):
                     changes.append((output, output + len(expected), printed))
                     continue
                 wrong += 1
