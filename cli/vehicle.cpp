@@ -2,6 +2,8 @@
 /// quadtune vehicle: lists and shows vehicles, checks a vehicle file, writes a new one.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,16 +42,27 @@ struct Options {
   MeasuredWords measured;
 };
 
+/// Whether a vehicle file can have the name.
+bool is_name(const std::string& word) {
+  return !word.empty() && word.size() <= 64 && std::all_of(word.begin(), word.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-';
+  });
+}
+
 void require_action(const Options& options) {
   const std::string& action = options.action;
   if (action != "list" && action != "show" && action != "check" && action != "new")
-    refuse("vehicle", "ACTION", "{}, expected list, show V, check FILE or new NAME{}",
-           action.empty() ? "no action came" : "'" + internal::printable(action) + "'",
+    refuse("vehicle", "ACTION", "{}; expected list, show V, check FILE or new NAME{}",
+           action.empty() ? "no action is given" : "'" + internal::printable(action) + "'",
            internal::did_you_mean(action, {"list", "show", "check", "new"}));
   if (action == "list" && !options.vehicle.empty())
     refuse("vehicle", options.vehicle, "unexpected argument '{}' after list", options.vehicle);
-  if (action == "new" && options.vehicle.empty())
-    refuse("vehicle", "V", "new needs a name for the vehicle");
+  if (action == "new" && !is_name(options.vehicle))
+    refuse("vehicle", "V",
+           "new needs a name for the vehicle: up to 64 letters, digits, '.', '_' and '-'{}",
+           options.vehicle.empty()
+               ? ""
+               : "; '" + internal::printable(options.vehicle) + "' has other characters");
   if (action != "list" && options.vehicle.empty())
     refuse("vehicle", "V", "{} needs a built-in vehicle's name or a file", action);
 }

@@ -14,7 +14,7 @@ void add_flight_options(CommandLine& line, FlightOptions& options) {
                   "autopilot; default: the law of --gains, or cascaded-pid");
   line.add_option("--gains WHICH", options.gains,
                   "designed (default), published, a design file, an export, a gain schedule, or "
-                  "the JSON output of lqr, pid or import");
+                  "the JSON output of a command");
   line.add_option("--integrator NAME", options.integrator,
                   "integrator of the PID: euler (default), backward-euler or tustin");
   line.add_option("--estimator NAME", options.estimator,

@@ -78,7 +78,7 @@ TEST(LogVerb, SaysWhichModelsItFeedsAndWhatOthersNeed) {
   EXPECT_EQ(models[3]["missing"][2]["candidates"][0], "vx");
   const std::string text = run_program({"log", file}).out;
   EXPECT_THAT(text, HasSubstr("altitude: fed by az, height\n"));
-  EXPECT_THAT(text, HasSubstr("attitude: needs rate [rad/s], tilt [rad]; --map rate=CHANNEL"));
+  EXPECT_THAT(text, HasSubstr("attitude: needs rate [rad/s], tilt [rad]; use --map rate=CHANNEL"));
 }
 
 TEST(LogVerb, WarnsOfATornLogAndReadsItUpToThere) {

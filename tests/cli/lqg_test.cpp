@@ -106,7 +106,7 @@ TEST(Lqg, RefusesWhatItCannotDo) {
     EXPECT_THAT(result.err, HasSubstr(message));
     EXPECT_EQ(result.out, "");
   };
-  refused({}, "quadtune lqg: expected a vehicle");
+  refused({}, "quadtune lqg: expected a built-in vehicle");
   // Weights through which a state is not observable are an error of --Q, as for lqr.
   const ProgramResult unseen = run_program({"lqg", "crazyflie", "--Q", "0", "--json"});
   EXPECT_EQ(unseen.status, 4);

@@ -172,12 +172,12 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--plant", "ideal", "--past", "2"}, "--past belongs to the flown plant");
   refused({"--method", "sampled", "--dt", "0.01", "--past", "2"},
           "--past belongs to the flown plant and cannot be combined with --method");
-  refused({"--past", "2.5"}, "--past is 2.5, expected a whole number from 0 to 40");
+  refused({"--past", "2.5"}, "--past is 2.5, expected an integer from 0 to 40");
   refused({"--change", "1", "--past", "0"}, "expected --past of at least 1");
   refused({"--height", "-1"}, "--height is -1, expected a positive number of metres");
   refused({"--sensors", "bad"}, "--sensors is 'bad', expected ideal or real");
-  refused({"--Q", "1,2"}, "--Q has 2 entries, expected 16 or one for all");
-  refused({"--integral", "pw"}, "no state 'pw'");
+  refused({"--Q", "1,2"}, "--Q has 2 entries, expected 16 or a single one for all");
+  refused({"--integral", "pw"}, "unknown state 'pw'");
   refused({"--dt", "0.0005"}, "quadtune lqr: --dt: estimator general: gyroscope.lag is 0.01469");
   refused({"--structure", "matri"}, "--structure is 'matri', expected dynamic or matrix");
   for (const char* option : {"--past", "--change", "--integral"})
@@ -233,7 +233,7 @@ TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
 TEST(LqrMatrix, TellsWhatItNeeds) {
   const ProgramResult zero = run_program({"lqr", "mambo", "--structure", "matrix", "--Q", "0"});
   EXPECT_EQ(zero.status, 2);
-  EXPECT_THAT(zero.err, HasSubstr("--Q: the weight of px is 0, expected more than 0"));
+  EXPECT_THAT(zero.err, HasSubstr("--Q: the weight of px is 0; expected more than 0"));
   const ProgramResult dynamic =
       run_program({"lqr", "mambo", "--structure", "dynamic", "--convention", "mambo"});
   EXPECT_EQ(dynamic.status, 2);

@@ -231,7 +231,7 @@ TEST(MarginsVerb, RefusesContradictoryKinds) {
   const ProgramResult fraction =
       run_program({"margins", "--num", "1", "--den", "1,1", "--discrete"});
   EXPECT_EQ(fraction.status, 2);
-  EXPECT_THAT(fraction.err, HasSubstr("belong to matrices"));
+  EXPECT_THAT(fraction.err, HasSubstr("apply to matrices only"));
 }
 
 TEST(MarginsVerb, TellsItsConventions) {

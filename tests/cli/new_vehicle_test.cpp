@@ -94,9 +94,11 @@ TEST(VehicleNew, IsDesignedFlownAndExported) {
   const ProgramResult designed = run_program({"design", file, "--seeds", "1", "-o", out, "--json"});
   ASSERT_EQ(designed.status, 0) << designed.err << designed.out;
   const SortedJson json = SortedJson::parse(designed.out);
-  EXPECT_EQ(json["missions"].size(), 3U);
-  const ProgramResult verified = run_program({"verify", out, "--vehicle", file});
-  EXPECT_EQ(verified.status, 0) << verified.err << verified.out;
+  EXPECT_EQ(json["missions"].size(), 9U);  // three, and each with a gust and with a load
+  for (const char* kind : {"/json", "/c"}) {
+    const ProgramResult verified = run_program({"verify", out + kind, "--vehicle", file});
+    EXPECT_EQ(verified.status, 0) << verified.err << verified.out;
+  }
 }
 
 // What is not known of the vehicle is in the box and in the campaign.

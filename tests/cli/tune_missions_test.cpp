@@ -326,7 +326,7 @@ TEST(TuneMissions, RefusesInOneLine) {
           "--report is for missions");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--tie", "x,y"}, 2,
-          "--tie is for --match-gains");
+          "--tie requires --match-gains");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
           "--mission is for missions");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
@@ -341,7 +341,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   };
   refuses_file("tracking_rms = 1", "traking_rms = 1", "did you mean 'tracking_rms'?");
   refuses_file("energy = 0.1", "energy = -0.1", "r.toml:4: energy");
-  refuses_file("\"worst\"", "\"wurst\"", "r.toml:5: 'wurst' came");
+  refuses_file("\"worst\"", "\"wurst\"", "r.toml:5: unknown measure 'wurst'");
   refuses_file("draws = 2", "draws = 0", "draws in [cost] is 0, expected a whole number");
   refuses_file("Ms_max = 1.5", "Ms_max = 0.9", "Ms_max");
   refuses_file("[loops.pitch]", "[loops.pich]", "no loop 'pich'; expected one or more of");

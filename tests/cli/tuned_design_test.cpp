@@ -89,7 +89,7 @@ TEST_F(TunedDesign, WritesWhatTheLogSaid) {
   const ProgramResult result =
       run_program({"design", design_with("tuned.toml"), "-o", path("out")});
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("noise of tuned.toml, verdict pass"));
+  EXPECT_THAT(result.out, HasSubstr("noise from tuned.toml, verdict pass"));
   std::string file = folder_.read("out/estimatorVars.m");
   EXPECT_THAT(file, HasSubstr("Q and R were estimated from logs: tuned.toml, verdict pass."));
   const auto number_after = [&](const std::string& name) {

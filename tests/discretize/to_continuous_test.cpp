@@ -109,7 +109,7 @@ TEST(ToContinuous, RefusesOtherMethods) {
               ThrowsMessage<InvalidInput>(
                   HasSubstr("foh: conversion to continuous time supports only zoh and tustin")));
   EXPECT_THAT([] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::zoh, 3.0); },
-              ThrowsMessage<InvalidInput>(HasSubstr("zoh: prewarp is 3 rad/s, expected none")));
+              ThrowsMessage<InvalidInput>(HasSubstr("zoh: prewarp is 3 rad/s, expected no prewarping")));
 }
 
 }  // namespace

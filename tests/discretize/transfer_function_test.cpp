@@ -195,7 +195,7 @@ TEST(DiscretizeTransferFunction, RefusesWhatHasNoPicture) {
   message({as_vector({1}), as_vector({1, 2}), 0.15}, Method::matched,
           "matched: the delay is 0.15 s");
   message({as_vector({1}), as_vector({1, 2})}, Method::zoh,
-          "zoh: prewarp is 3 rad/s, expected none", {.prewarp = 3, .delays = {}});
+          "zoh: prewarp is 3 rad/s, expected no prewarping", {.prewarp = 3, .delays = {}});
   message({as_vector({1}), as_vector({1, 2})}, Method::zoh, "zoh: delays of channels do not apply",
           {.prewarp = {}, .delays = {VectorXd::Zero(1), {}}});
   EXPECT_THAT(

@@ -174,7 +174,7 @@ TEST(MNumbers, RefusesWhatCannotBeChecked) {
   refusal("K = [\n  1, 2\n  3, nan\n];\n", "K has an entry that is not finite");
   refusal("K = [\n  1, 2\n  3, x\n];\n", "x.m:3: '3, x' is not a row of numbers");
   refusal("K = [\n  1, 2\n", "x.m: ends within a matrix");
-  refusal("a. = 1;\n", "x.m:1: 'a. = 1;' came");
+  refusal("a. = 1;\n", "x.m:1: has 'a. = 1;'");
   refusal(" = 1;\n", "expected 'Name = value;'");
   // Lines of a megabyte: std::regex, which matches by recursion, overflows the stack on them.
   refusal(std::string(1 << 20, 'a') + "-", "expected 'Name = value;'");

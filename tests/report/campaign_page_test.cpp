@@ -99,7 +99,7 @@ TEST(CampaignPage, TellsWhatWasFlown) {
     EXPECT_GT(difference["draws"], 0);
     EXPECT_LE(difference["draws"], designed["flights"]);
   }
-  EXPECT_EQ(data["comparisons"][0]["title"], "published less designed in hover");
+  EXPECT_EQ(data["comparisons"][0]["title"], "published minus designed in hover");
 }
 
 TEST_F(Browser, DrawsACampaign) {
@@ -107,7 +107,7 @@ TEST_F(Browser, DrawsACampaign) {
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), std::to_string(data_of(example())["distributions"].size()));
   EXPECT_THAT(page, HasSubstr("designed in hover"));
-  EXPECT_THAT(page, HasSubstr("published less designed in hover"));
+  EXPECT_THAT(page, HasSubstr("published minus designed in hover"));
 }
 
 // The styles of campaign pages do not change the legend of a flight's plots: a line in the dashes

@@ -80,7 +80,11 @@ void validate(const MeasuredVehicle& m) {
   if (m.motor_lag)
     require(*m.motor_lag <= kMaxLag, "lag",
             fmt::format("lag is {:.4g} s, expected at most {} s", *m.motor_lag, kMaxLag));
-  if (m.inertia) require_inertia(m.inertia->asDiagonal(), "inertia");
+  try {
+    if (m.inertia) require_inertia(m.inertia->asDiagonal(), "inertia");
+  } catch (const InvalidInput& error) {
+    throw OptionError("inertia", error.what());
+  }
 }
 
 /// Direction of rotor i from the centre, clockwise from ahead [rad].

@@ -111,7 +111,7 @@ TEST(StandardOutput, IsNoFile) {
 
 TEST(WrongWords, AreAnsweredWithTheRightOnes) {
   refuses({"help", "a", "b", "c"}, 2, "too many arguments; expected: quadtune help");
-  refuses({"vehicle"}, 2, "no action came, expected list, show V or check FILE");
+  refuses({"vehicle"}, 2, "no action is given; expected list, show V, check FILE or new NAME");
   refuses({"fly", "mambo", "--mission", "figure8"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--mission", "figure-eight"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--wind", "5"}, 2,

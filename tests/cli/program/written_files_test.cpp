@@ -322,7 +322,7 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
   const std::string schedule = path("schedule.toml");
   made({"lqr", "mambo", "--schedule", "speed=0:1:1", "--quiet", "-o", schedule});
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
-      {{"design", own}, "this is a vehicle file; it is read by: quadtune vehicle, linearize"},
+      {{"verify", own}, "this is a vehicle file; it is read by: quadtune vehicle, design"},
       {{"fly", path("tuned-pid.toml")}, "this is a design file; it is read by: quadtune design"},
       {{"fly", "mambo", "--mission", own}, "this is a vehicle file"},
       {{"fly", "mambo", "--gains", model},

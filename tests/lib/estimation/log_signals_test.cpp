@@ -49,7 +49,7 @@ TEST_F(LogSignals, OfOneThatStandsForAnythingHaveToBeNamed) {
   EXPECT_EQ(read("local-level", "t,y\n0,1\n1,2\n").signals.size(), 1);
   for (const char* log : {"t,y[uT]\n0,1\n1,2\n", "t,x,y,z\n0,1,1,1\n1,2,2,2\n"})
     EXPECT_THAT([&] { (void)read("local-level", log); },
-                ThrowsMessage<InvalidInput>(HasSubstr("stands for any quantity, and the channel "
+                ThrowsMessage<InvalidInput>(HasSubstr("can be any quantity, and the channel "
                                                       "'y' ")))
         << log;
 }

@@ -106,7 +106,7 @@ TEST(JsonValue, RefusesWhatIsNestedTooDeep) {
   EXPECT_EQ(json_text(Json::parse(nested(400))), nested(400));
   for (const std::size_t depth : {600U, 1000000U})
     EXPECT_THAT([&] { (void)Json::parse(nested(depth)); },
-                ThrowsMessage<JsonError>(HasSubstr("more than 500 deep")));
+                ThrowsMessage<JsonError>(HasSubstr("more than 500 levels deep")));
 }
 
 TEST(JsonValue, RefusesNumbersThatATypeCannotHold) {

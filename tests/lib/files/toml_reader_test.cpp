@@ -123,7 +123,7 @@ TEST(TomlReader, RefusesDeepNestingWithoutExhaustingTheStack) {
   std::string key;
   for (int i = 0; i < 4000; ++i) key += "a.";
   EXPECT_THAT([&] { parse_toml("[" + key + "a]\n" + key + "a = 1"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("nest more than 8 deep")));
+              ThrowsMessage<InvalidInput>(HasSubstr("nest more than 8 levels deep")));
   EXPECT_THAT([] { parse_toml("a = " + std::string(8000, '[')); },
               ::testing::Throws<InvalidInput>());
 }

@@ -210,7 +210,7 @@ TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
 TEST(LogCsv, RefusesOtherFilesByTheirFirstLine) {
   for (const char* text : {"", "t[s]\n0\n", "# quadtune-log,2\nt[s]\n", "# quadtune-log\nt[s]\n"})
     EXPECT_THAT([&] { std::ignore = table_of_csv(text, "f.csv"); },
-                ThrowsMessage<InvalidInput>(StartsWith("f.csv:1: '")))
+                ThrowsMessage<InvalidInput>(StartsWith("f.csv:1: the file begins with '")))
         << text;
 }
 
@@ -348,9 +348,9 @@ TEST(Logs, RefuseTablesThatNoFileCouldHold) {
        "log: a column has no name; expected one because columns are accessed by name"},
       {{{}, {{"\xff", "s", {}}}, {}}, "log: the name '?' is not valid UTF-8"},
       {{{}, {{"t", "\xc3", {}}}, {}}, "log: the unit '?' is not valid UTF-8"},
-      {{{{"\xc0\x80", ""}}, {}, {}}, "log: the key '??' is not valid UTF-8"},
-      {{{{"a", "\xed\xa0\x80"}}, {}, {}}, "log: the value '???' is not valid UTF-8"},
-      {{{}, {}, {{0, "\xf5\x80\x80\x80", ""}}}, "log: the event '????' is not valid UTF-8"},
+      {{{{"\xc0\x80", ""}}, {}, {}}, "log: the key '?\?' is not valid UTF-8"},
+      {{{{"a", "\xed\xa0\x80"}}, {}, {}}, "log: the value '?\?\?' is not valid UTF-8"},
+      {{{}, {}, {{0, "\xf5\x80\x80\x80", ""}}}, "log: the event '?\?\?\?' is not valid UTF-8"},
       {{{}, {}, {{0, "", "a\x80"}}}, "log: the detail 'a?' is not valid UTF-8"},
   };
   for (const auto& refusal : refusals)

@@ -211,7 +211,7 @@ TEST(SpeedsForWrench, ReportsTheSaturatedRotorAndTheMissingWrench) {
 TEST(SpeedsForWrench, SaturatesAtTheMinimumSpeed) {
   const MixResult result = speeds_for_wrench(ring(4, 0), {0, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
-  EXPECT_THAT(result.culprit, HasSubstr("least speed of 50 rad/s"));
+  EXPECT_THAT(result.culprit, HasSubstr("minimum speed of 50 rad/s"));
   Vehicle free = ring(4, 0);
   free.motor.min = 0;
   EXPECT_TRUE(speeds_for_wrench(free, {0, 0, 0, 0}).solved());
@@ -251,7 +251,7 @@ TEST(Mixer, RefusesWhatHasNoMatrix) {
   EXPECT_THAT([&] { (void)allocation_matrix(uquad); },
               ThrowsMessage<InvalidInput>(HasSubstr("not proportional to its thrust")));
   EXPECT_THAT([&] { (void)command_per_thrust(uquad); },
-              ThrowsMessage<InvalidInput>(HasSubstr("expected a squared speed")));
+              ThrowsMessage<InvalidInput>(HasSubstr("expected squared speeds")));
   EXPECT_THAT([] { (void)thrust_mixer(ring(6, 0)); },
               ThrowsMessage<InvalidInput>(HasSubstr("'ring' has 6 rotors, expected 4")));
   EXPECT_THROW((void)speeds_for_wrench(uquad, {1, std::nan(""), 0, 0}), InvalidInput);

@@ -278,7 +278,7 @@ TEST(SensorFile, RefusesSensorsThatContradictThemselves) {
                  "v.toml:22: greatest_range_m in [sensors.sonar] is 3, expected more than "
                  "least_range_m, 3");
   expect_refusal("[sensors.gps]\nrate_Hz = 9000\ndelay_s = 9\n",
-                 "v.toml:21: delay_s in [sensors.gps] holds 81000 samples, expected at most 10000");
+                 "v.toml:21: delay_s in [sensors.gps] spans 81000 samples, expected at most 10000");
 }
 
 TEST(SensorFile, TheMambosAreThoseOfItsModel) {

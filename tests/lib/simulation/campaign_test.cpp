@@ -409,7 +409,7 @@ TEST(CampaignShards, AWorkerNoticesThatItsFolderIsGone) {
     return false;
   };
   EXPECT_THAT([&] { (void)fly_shard(campaign, folder, 0, 1, {}, remove_it); },
-              ThrowsMessage<FileError>(HasSubstr("is gone")));
+              ThrowsMessage<FileError>(HasSubstr("was removed, alone or with its folder")));
   EXPECT_FALSE(fs::exists(folder.path));
 }
 

@@ -419,7 +419,7 @@ TEST(AutocovarianceFit, ExplainsUnsupportedModels) {
   const AutocovarianceFit still = fit_autocovariances(level, {constant});
   EXPECT_EQ(still.status, AutocovarianceStatus::not_computed);
   EXPECT_THAT(still.culprit,
-              HasSubstr("y: y is constant over the fitted part: all 100 measurements are 0, "));
+              HasSubstr("y: y is constant over the fitted part: all 100 measurements are 0; "));
 }
 
 TEST(AutocovarianceFit, RejectsBadOptionsAndShapes) {
