@@ -23,7 +23,7 @@
 #define AT_RATES 9
 #define AT_BIAS 12
 #define MAX_VISION_AGE 1.0f /* an older image is not used [s] */
-#define MOST_ENTRIES 6 /* of a row C that are not 0 */
+#define MOST_ENTRIES 6      /* of a row C that are not 0 */
 
 /* Force and torque of the rotors on the body, in body axes. */
 typedef struct {

@@ -313,7 +313,8 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
       const qt_real thrust = ((motors.a2[i] * w) + motors.a1[i]) * w;
       all += thrust;
       max += motors.greatest[i];
-      out.control[m] = _output.estimate.finite ? qt_clamp(thrust / motors.greatest[i], 0.0f, 1.0f) : NAN;
+      out.control[m] =
+          _output.estimate.finite ? qt_clamp(thrust / motors.greatest[i], 0.0f, 1.0f) : NAN;
     }
     out.timestamp = hrt_absolute_time();
     out.timestamp_sample = out.timestamp;
