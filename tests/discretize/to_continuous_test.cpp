@@ -108,8 +108,9 @@ TEST(ToContinuous, RefusesOtherMethods) {
   EXPECT_THAT([] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::foh); },
               ThrowsMessage<InvalidInput>(
                   HasSubstr("foh: conversion to continuous time supports only zoh and tustin")));
-  EXPECT_THAT([] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::zoh, 3.0); },
-              ThrowsMessage<InvalidInput>(HasSubstr("zoh: prewarp is 3 rad/s, expected no prewarping")));
+  EXPECT_THAT(
+      [] { (void)to_continuous(with_A(MatrixXd{{0.5}}), Method::zoh, 3.0); },
+      ThrowsMessage<InvalidInput>(HasSubstr("zoh: prewarp is 3 rad/s, expected no prewarping")));
 }
 
 }  // namespace

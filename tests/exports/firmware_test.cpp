@@ -346,7 +346,8 @@ void expect_refused(FirmwareKind kind, const std::string& text, const std::strin
 TEST(Firmware, BadFilesAreRefusedWithTheirLine) {
   using enum FirmwareKind;
   expect_refused(px4, "1\t1\tMC_ROLL_P\tnan\t9\n", "file:1: MC_ROLL_P is 'nan', expected a finite");
-  expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_ROLL_P\t6\t9\n", "file:2: MC_ROLL_P occurs twice");
+  expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_ROLL_P\t6\t9\n",
+                 "file:2: MC_ROLL_P occurs twice");
   expect_refused(px4, "1 1 MC_ROLL_P 6 9\n", "file:1: has 1 column, expected 5");
   expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t4\n", "file:1: type of MC_ROLL_P is '4'");
   expect_refused(px4, "1\t1\tMC_ROLLRATE_P\t-0.1\t9\n", "drives a rotor the wrong way");

@@ -240,7 +240,8 @@ TEST(ScheduleCode, RefusesWhatIsNoProgram) {
       "has no gain at any of its points");
   refusal([](ExportContent& c) { c.flight_code.law = "state-feedback"; },
           "the law 'state-feedback' cannot be exported with a gain schedule");
-  refusal([](ExportContent& c) { c.flight_code.adapter = "px4"; }, "the adapter 'px4' cannot be exported");
+  refusal([](ExportContent& c) { c.flight_code.adapter = "px4"; },
+          "the adapter 'px4' cannot be exported");
   for (const char* name : {"int", "9a", "a-b", "replay", "replay_lines"})
     refusal([&](ExportContent& c) { c.flight_code.name = name; },
             "cannot be the prefix of a C program");

@@ -116,7 +116,8 @@ TEST(ModelNeeds, DoesNotListForEver) {
   const std::string path = folder.write("log.csv", "t,x\n0,1\n1,2\n").string();
   const ModelNeeds found = model_needs(model, survey_log(*open_log(path)));
   EXPECT_EQ(found.missing.size(), 8u);
-  EXPECT_THAT(to_text(found), HasSubstr("many: needs a, b, c, d, e, f, 2 more; use --map a=CHANNEL"));
+  EXPECT_THAT(to_text(found),
+              HasSubstr("many: needs a, b, c, d, e, f, 2 more; use --map a=CHANNEL"));
 }
 
 // What is said to be fed is what the readers take.

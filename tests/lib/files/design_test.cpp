@@ -172,7 +172,8 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
     }
     return "nothing";
   };
-  EXPECT_THAT(said("x = { Kp = 1 }\n[cascade.design]\n"), HasSubstr("has gains of x in addition to"));
+  EXPECT_THAT(said("x = { Kp = 1 }\n[cascade.design]\n"),
+              HasSubstr("has gains of x in addition to"));
   EXPECT_THAT(said("integrator = \"tustin\"\n[cascade.design]\n"),
               HasSubstr("[cascade] has an integrator in addition to [cascade.design]"));
   EXPECT_THAT(said("[cascade.design]\nMs_max = 1\n"), HasSubstr("more than 1"));

@@ -77,9 +77,10 @@ TEST(Climb, IsNotTheTakeOffOfTheModelProject) {
 }
 
 TEST(Climb, RefusesTwoWaysAtOnce) {
-  EXPECT_THAT([] { (void)mission("take_off_s = 1\nclimb_rate_m_per_s = 1"); },
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "m.toml:6: climb_rate_m_per_s and take_off_s are both given, expected one of them")));
+  EXPECT_THAT(
+      [] { (void)mission("take_off_s = 1\nclimb_rate_m_per_s = 1"); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "m.toml:6: climb_rate_m_per_s and take_off_s are both given, expected one of them")));
   EXPECT_THAT([] { (void)mission("climb_rate_m_per_s = 0"); },
               ThrowsMessage<InvalidInput>(HasSubstr("climb_rate_m_per_s")));
   EXPECT_THAT([] { (void)mission("climb_rate_m_per_s = 0.05"); },
