@@ -274,10 +274,11 @@ TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
     SCOPED_TRACE(max);
     int now = 0;
     double best = -std::numeric_limits<double>::infinity();
-    const NoiseFit fit = fit_noise(likelihood, {.starts = 2,
-                                                .profile = true,
-                                                .interrupted = [&] { return ++now > max; },
-                                                .progress = [&](int, double max) { best = max; }});
+    const NoiseFit fit =
+        fit_noise(likelihood, {.starts = 2,
+                               .profile = true,
+                               .interrupted = [&] { return ++now > max; },
+                               .progress = [&](int, double value) { best = value; }});
     EXPECT_EQ(fit.status, NoiseFitStatus::interrupted);
     if (fit.before.computed()) {
       EXPECT_GE(fit.after.value, fit.before.value);
