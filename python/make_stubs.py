@@ -9,8 +9,11 @@ import inspect
 import re
 import sys
 import textwrap
+from pathlib import Path
 
-import quadtune
+# The module that was built, not its sources beside this script.
+sys.path = [folder for folder in sys.path if folder != str(Path(__file__).resolve().parent)]
+import quadtune  # noqa: E402
 
 HEADER = '''\
 # SPDX-License-Identifier: Apache-2.0

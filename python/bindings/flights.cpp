@@ -103,7 +103,7 @@ void add_checks(py::module_& module) {
       .def_readonly("bound", &LimitCheck::bound, "The limit.")
       .def_readonly("ok", &LimitCheck::ok, "Whether the flight kept it.");
   py::class_<LogEvent>(module, "FlightEvent", "Something that happened in a flight.")
-      .def_readonly("time", &LogEvent::time, "[s]")
+      .def_readonly("time", &LogEvent::time, "When it happened [s].")
       .def_readonly("name", &LogEvent::name, "One word.")
       .def_readonly("detail", &LogEvent::detail, "A sentence; may be empty.");
   py::class_<Diagnosis>(module, "Diagnosis", "Why a flight failed, and what helps.")
@@ -134,7 +134,8 @@ void add_flights(py::module_& module) {
           "end", [](const Flight& flight) { return to_string(flight.flown.result.end); },
           "\"completed\", \"safety exit\" or \"diverged\".")
       .def_property_readonly(
-          "end_time", [](const Flight& flight) { return flight.flown.result.end_time; }, "[s]")
+          "end_time", [](const Flight& flight) { return flight.flown.result.end_time; },
+          "How long it was flown [s].")
       .def_property_readonly(
           "reasons", [](const Flight& flight) { return reasons(flight.flown); },
           "Why it did not pass, a sentence each.")

@@ -88,7 +88,8 @@ constexpr bool kIsLti = std::is_same_v<Plant, DiscreteLti> || std::is_same_v<Pla
 
 template <class Value>
 std::optional<py::array> view_in(const Value& value, py::handle owner) {
-  return py::cast(value, py::return_value_policy::reference_internal, owner).cast<py::array>();
+  const py::object array = py::cast(value, py::return_value_policy::reference_internal, owner);
+  return py::reinterpret_borrow<py::array>(array);
 }
 
 /// A matrix of the plant; None of a transfer function.
@@ -185,7 +186,7 @@ void add_comparison(py::module_& module) {
   py::class_<MethodComparison> type(module, "MethodComparison",
                                     "What each sampling method makes of a vehicle's loops.");
   type.def_readonly("vehicle", &MethodComparison::vehicle, "Name of the vehicle.")
-      .def_readonly("dt", &MethodComparison::dt, "[s]")
+      .def_readonly("dt", &MethodComparison::dt, "Sample period [s].")
       .def_readonly("periods", &MethodComparison::periods, "dt/2, dt and 2 dt [s].");
   add_report(
       type, "quadtune discretize V --compare",

@@ -114,7 +114,7 @@ def test_an_absent_file_is_an_error_of_the_system():
 
 def test_a_flight_that_there_is_not_has_no_solution():
     with pytest.raises(quadtune.NoSolution) as refused:
-        quadtune.linearize("mambo", at="line", speed=500.0)
+        quadtune.linearize("mambo", at="circle", speed=50.0, radius=1.0)
     assert isinstance(refused.value, ArithmeticError)
     assert refused.value.where == "mambo"
 
