@@ -16,6 +16,7 @@
 #include "quadtune/transfer_function.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
+#include "real.hpp"
 #include "report/plots/loop_panels.hpp"
 #include "results.hpp"
 #include "topics.hpp"
@@ -205,7 +206,7 @@ void add_loop(py::module_& module) {
       [](const LoopReport& report) { return report::to_text(report); });
   module.def(
       "margins",
-      [](const Numbers& num, const Numbers& den, double delay, std::optional<double> dt) {
+      [](const Numbers& num, const Numbers& den, Real delay, std::optional<Real> dt) {
         return long_call(
             [&](const Stop&) { return loop_report(of_fraction(num, den, delay, dt)); });
       },

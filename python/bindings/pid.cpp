@@ -8,6 +8,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/pid_report.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "real.hpp"
 #include "report/loops/loops.hpp"
 #include "results.hpp"
 #include "topics.hpp"
@@ -19,10 +20,11 @@ namespace py = pybind11;
 using namespace py::literals;
 using Number = std::optional<double>;
 
-PidReport of_fraction(const Numbers& num, const Numbers& den, double delay, const std::string& type,
-                      Number crossover, Number phase_margin, Number Tf,
-                      const std::optional<std::string>& rule, Number tau_c, Number Ms_max,
-                      Number Mt_max, Number noise_gain_max) {
+PidReport of_fraction(const Numbers& num, const Numbers& den, Real delay, const std::string& type,
+                      std::optional<Real> crossover, std::optional<Real> phase_margin,
+                      std::optional<Real> Tf, const std::optional<std::string>& rule,
+                      std::optional<Real> tau_c, std::optional<Real> Ms_max,
+                      std::optional<Real> Mt_max, std::optional<Real> noise_gain_max) {
   require_not_negative(delay, "delay");
   require_not_negative(Tf.value_or(0), "Tf");
   const bool bounds = Ms_max || Mt_max || noise_gain_max;

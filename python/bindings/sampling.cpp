@@ -13,6 +13,7 @@
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/sampling/method_comparison.hpp"
 #include "quadtune/workbench/sampling/sampled_plant.hpp"
+#include "real.hpp"
 #include "report/loops/loops.hpp"
 #include "results.hpp"
 #include "topics.hpp"
@@ -71,8 +72,8 @@ SampledPlant of_matrices(Matrix A, Matrix B, std::optional<Matrix> C, std::optio
   return sampled_plant(plant, delays, by);
 }
 
-SampledPlant of_fraction(const Numbers& num, const Numbers& den, double dt, double delay,
-                         const std::string& method, std::optional<double> prewarp, bool inverse) {
+SampledPlant of_fraction(const Numbers& num, const Numbers& den, Real dt, Real delay,
+                         const std::string& method, std::optional<Real> prewarp, bool inverse) {
   const SamplingOptions by = sampling(method, dt, prewarp, inverse);
   if (inverse) {
     DiscreteTransferFunction plant;

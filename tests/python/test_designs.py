@@ -56,9 +56,10 @@ def test_a_changed_file_does_not_verify(design, tmp_path):
 
 def test_an_export_is_that_of_the_program(design, tmp_path):
     _, directory = design
-    result = quadtune.export(directory, "c", tmp_path / "here", adapter="main", precision="double")
+    result = quadtune.export(directory, "c", tmp_path / "here", law="cascaded-pid",
+                             precision="double")
     assert_prints_as(result, "export", directory, "--to", "c", "-o", tmp_path / "there",
-                     "--adapter", "main", "--precision", "double")
+                     "--law", "cascaded-pid", "--precision", "double")
     assert len(result.files) > 3
     for file in result.files:
         assert filecmp.cmp(tmp_path / "here" / file.path, tmp_path / "there" / file.path,

@@ -76,9 +76,9 @@ def test_the_record_does_not_change_the_flight():
 
 
 def test_seeds_give_a_list():
-    flights = quadtune.fly("mambo", duration=4, seed=7, seeds=3, log=False)
+    flights = quadtune.fly("mambo", duration=4, seed=7, seeds=3, log=False, diagnose=False)
     assert [flight.seed for flight in flights] == [7, 8, 9]
-    alone = quadtune.fly("mambo", duration=4, seed=8, log=False)
+    alone = quadtune.fly("mambo", duration=4, seed=8, log=False, diagnose=False)
     assert without(flights[1].to_dict(), "wall_s") == without(alone.to_dict(), "wall_s")
 
 

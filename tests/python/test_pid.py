@@ -72,4 +72,4 @@ def test_a_wrong_word_of_a_cascade_is_named(words, where):
 
 def test_a_loop_that_cannot_be_had_has_no_solution():
     with pytest.raises(quadtune.NoSolution, match="roll"):
-        quadtune.pid("mambo", bandwidth={"roll": 1000})
+        quadtune.pid("mambo", bandwidth={"roll": 600})

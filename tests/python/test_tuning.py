@@ -48,10 +48,10 @@ def test_a_wrong_argument_is_named(words, where):
 
 
 def test_gains_over_missions_are_those_of_the_program(tmp_path):
-    result = quadtune.tune_pid("mambo", ["hover"], evaluations=4, draws=1, proof=2, duration=3,
+    result = quadtune.tune_pid("mambo", ["hover"], evaluations=4, draws=1, proof=2, duration=14,
                                budget=1000)
     options = ["tune", "pid", "mambo", "--mission", "hover", "--evaluations", "4", "--monte-carlo",
-               "1", "--proof", "2", "--duration", "3", "--budget", "1000"]
+               "1", "--proof", "2", "--duration", "14", "--budget", "1000"]
     skip = ("seconds", "time_s", "seconds_s")
     assert without(result.to_dict(), *skip) == without(answer(*options), *skip)
     assert len(result.loops) == len(result.start) == len(result.candidate) == 6
