@@ -46,7 +46,7 @@ CertifyReport certify_directory(const Path& directory, const std::optional<Vehic
   options.flown = asks_for_flown_plant(plant);
   if (budget < 1)
     throw OptionError("budget", fmt::format("budget is {}, expected at least 1", budget));
-  options.most_boxes = budget;
+  options.max_boxes = budget;
   options.seed = seed;
   options.threads = threads;
   CertifyReport report = long_call([&](const Stop& stop) {
@@ -97,7 +97,7 @@ void add_certify(py::module_& module) {
       "certify", &certify_directory, "directory"_a, py::kw_only(), "vehicle"_a = py::none(),
       "controller"_a = "", "mass"_a = Range{0.9, 1.1}, "inertia"_a = Range{0.8, 1.2},
       "thrust"_a = Range{0.9, 1.1}, "delay"_a = py::none(), "lag"_a = py::none(),
-      "integrator"_a = py::none(), "plant"_a = "flown", "budget"_a = CertifyOptions().most_boxes,
+      "integrator"_a = py::none(), "plant"_a = "flown", "budget"_a = CertifyOptions().max_boxes,
       "seed"_a = 1, "threads"_a = 0,
       "Prove the loops of an export stable for every vehicle of a box, or find one that is\n"
       "not.\n\n"

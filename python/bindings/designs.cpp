@@ -50,7 +50,7 @@ struct ExportResult {
 
 void require_tuned(const DesignOutcome& outcome, bool force) {
   if (force) return;
-  const std::vector<std::string> doubts = doubtful_covariances(outcome.design);
+  const std::vector<std::string> doubts = unconfirmed_covariances(outcome.design);
   if (!doubts.empty())
     throw InvalidInput(outcome.design.file.string(),
                        doubts.front() + "; force=True takes it all the same");

@@ -110,7 +110,7 @@ void add_flown(py::module_& module) {
           "States that no sensor observes.")
       .def_property_readonly("notes", &flown_notes, "What a reader should know.")
       .def(
-          "__str__", [](const FlownLoop& loop) { return in_words(loop); },
+          "__str__", [](const FlownLoop& loop) { return describe(loop); },
           "The slowest or unstable mode in words.");
 }
 

@@ -73,9 +73,9 @@ LqiDesign lqi_design(const FlownArguments& given) {
   const std::vector<std::string> inputs = names_of(ned_convention().wrench);
   if (given.integral) design.integrals = listed(given.integral);
   if (given.past) {
-    if (*given.past < 0 || *given.past > kMostPastCommands)
+    if (*given.past < 0 || *given.past > kMaxPastCommands)
       throw OptionError(
-          "past", fmt::format("past is {}, expected 0 to {}", *given.past, kMostPastCommands));
+          "past", fmt::format("past is {}, expected 0 to {}", *given.past, kMaxPastCommands));
     design.past = *given.past;
   }
   if (given.Q) {
@@ -127,7 +127,7 @@ FlownLqr flown_lqr(const VehicleWord& word, const FlownArguments& given) {
 FlownMatrix flown_matrix(const VehicleWord& word, const FlownArguments& given,
                          const PlantWords& plant, bool asks_for_inputs) {
   LqiDesign design = lqi_design(given);
-  MatrixWords matrix;
+  MatrixConvention matrix;
   matrix.convention = named_convention(plant.convention, "convention").name;
   if (asks_for_inputs) matrix.input_kind = input_kind(plant.inputs, "inputs");
   design.matrix = matrix;
