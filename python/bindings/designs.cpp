@@ -159,10 +159,10 @@ void add_design(py::module_& module) {
           "What was written.")
       .def_property_readonly(
           "warnings", [](const DesignResult& result) { return design_warnings(result.outcome); },
-          "What to look at before flying.")
+          "Warnings to consider before flying.")
       .def_property_readonly(
           "notes", [](const DesignResult& result) { return design_notes(result.outcome); },
-          "What a reader must know of model and flights.");
+          "Notes on the model and the flights.");
   add_report(
       type, "quadtune design FILE",
       [](const DesignResult& result) {

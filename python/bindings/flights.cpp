@@ -158,7 +158,7 @@ void add_flights(py::module_& module) {
           "seed", [](const Flight& flight) { return flight.flown.plan.setup.seed; }, "Its seed.")
       .def_property_readonly(
           "notes", [](const Flight& flight) { return flight.flown.plan.notes; },
-          "What a user should know of choices that were made.")
+          "Notes on choices that were made for the flight.")
       .def_readonly("diagnosis", &Flight::diagnosis, "Of a flight that failed, otherwise None.")
       .def_property_readonly(
           "final_state",

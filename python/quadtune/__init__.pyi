@@ -179,10 +179,10 @@ class Design:
         """What was written."""
     @property
     def warnings(self) -> List[str]:
-        """What to look at before flying."""
+        """Warnings to consider before flying."""
     @property
     def notes(self) -> List[str]:
-        """What a reader must know of model and flights."""
+        """Notes on the model and the flights."""
     def to_json(self) -> str:
         """The text that `quadtune design FILE --json` prints."""
     def to_dict(self) -> dict:
@@ -316,7 +316,7 @@ class Flight:
         """Its seed."""
     @property
     def notes(self) -> List[str]:
-        """What a user should know of choices that were made."""
+        """Notes on choices that were made for the flight."""
     @property
     def diagnosis(self) -> Optional[Diagnosis]:
         """Of a flight that failed, otherwise None."""
