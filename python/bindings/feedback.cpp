@@ -74,8 +74,8 @@ LqiDesign lqi_design(const FlownArguments& given) {
   if (given.integral) design.integrals = listed(given.integral);
   if (given.past) {
     if (*given.past < 0 || *given.past > kMaxPastCommands)
-      throw OptionError(
-          "past", fmt::format("past is {}, expected 0 to {}", *given.past, kMaxPastCommands));
+      throw OptionError("past",
+                        fmt::format("past is {}, expected 0 to {}", *given.past, kMaxPastCommands));
     design.past = *given.past;
   }
   if (given.Q) {
