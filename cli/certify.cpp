@@ -74,8 +74,10 @@ void add_options(CommandLine& line, Options& options) {
       "--thrust LOW:HIGH", options.thrust,
       "ratios of the rotors' thrust and drag torque (default of the vehicle's [spread], or "
       "0.9:1.1)");
-  line.add_option("--delay LOW:HIGH", options.delay,
-                  "delay of the loop beyond the hold [s] (default 0 to one period)");
+  line.add_option(
+      "--delay LOW:HIGH", options.delay,
+      "delay of the loop beyond the hold [s] (default: that of the commands, up to its jitter "
+      "and one period more)");
   line.add_option("--lag LOW:HIGH", options.lag,
                   "time constant of the motors [s] (default the vehicle's, with its [spread])");
   line.add_option("--controller NAME", options.controller,
