@@ -63,6 +63,13 @@ void require_action(const Options& options) {
            options.vehicle.empty()
                ? ""
                : "; '" + internal::printable(options.vehicle) + "' has other characters");
+  const std::vector<std::string> built_in = built_in_vehicles();
+  if (action == "new" &&
+      std::find(built_in.begin(), built_in.end(), options.vehicle) != built_in.end())
+    refuse("vehicle", "V",
+           "'{}' is the name of a built-in vehicle; choose another, because exports identify the "
+           "vehicle by its name",
+           options.vehicle);
   if (action != "list" && options.vehicle.empty())
     refuse("vehicle", "V", "{} needs a built-in vehicle's name or a file", action);
 }

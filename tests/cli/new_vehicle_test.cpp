@@ -69,6 +69,8 @@ TEST(VehicleNew, RefusesInOneLine) {
   EXPECT_THAT(refused({"vehicle", "new", "own"}),
               HasSubstr("quadtune vehicle: new needs --mass, such as --mass 1240g; --ask asks"));
   EXPECT_THAT(refused({"vehicle", "new"}), HasSubstr("new needs a name"));
+  EXPECT_THAT(refused({"vehicle", "new", "uquad", "--mass", "1kg"}),
+              HasSubstr("'uquad' is the name of a built-in vehicle; choose another"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--lag", "40"})),
               HasSubstr("--lag is '40', expected a number greater than 0 with a unit: ms or s"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--inertia", "0.01kgm2"})),
