@@ -2,6 +2,8 @@
 /// quadtune verify: reads an export back as the flight program would.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -37,7 +39,13 @@ void run_verify(Options& options, Context& context) {
                   return fmt::format("{}\nverdict: {}\n", to_text(report),
                                      report.ok() ? "pass" : "fail");
                 });
-  if (!report.ok()) throw AnswerIsNo("verify: " + options.directory + " failed");
+  if (report.ok()) return;
+  const auto wrong = [](const VerifyCheck& check) { return !check.ok; };
+  const auto first = std::find_if(report.checks.begin(), report.checks.end(), wrong);
+  const auto count = std::count_if(report.checks.begin(), report.checks.end(), wrong);
+  throw AnswerIsNo(fmt::format("verify: {}: {} of {} checks failed, the first is \"{}\"",
+                               options.directory, count, report.checks.size(),
+                               first == report.checks.end() ? "" : first->name));
 }
 
 }  // namespace

@@ -147,7 +147,8 @@ class Proof {
       const auto left = static_cast<std::size_t>(options_.max_boxes - result_.boxes);
       if (left == 0)
         return fail(StabilityProofStatus::not_proved, part, open.back().box,
-                    fmt::format("{} boxes were examined", result_.boxes));
+                    fmt::format("{} {} examined", result_.boxes,
+                                result_.boxes == 1 ? "box was" : "boxes were"));
       std::vector<OpenBox> together;
       while (!open.empty() && together.size() < std::min(kTogether, left)) {
         together.push_back(std::move(open.back()));

@@ -223,7 +223,7 @@ TEST_F(CertifyTest, RefusesWhatDoesNotVerify) {
   EXPECT_THAT(refused({(folder.path() / "out").string()}, 1),
               HasSubstr("does not verify: K_prop_full.txt matches the manifest"));
   EXPECT_THAT(refused({exported("uquad-hover"), "--controller", "cascaded-pid"}, 3),
-              HasSubstr("the export has no cascaded-pid"));
+              HasSubstr("the export has no cascaded-pid; expected a law"));
 }
 
 }  // namespace

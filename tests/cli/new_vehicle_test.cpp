@@ -6,6 +6,7 @@
 
 #include "quadtune/internal/text_file.hpp"
 #include "run_program.hpp"
+#include "sanitized.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -100,6 +101,28 @@ TEST(VehicleNew, IsDesignedFlownAndExported) {
   for (const char* kind : {"/json", "/c"}) {
     const ProgramResult verified = run_program({"verify", out + kind, "--vehicle", file});
     EXPECT_EQ(verified.status, 0) << verified.err << verified.out;
+  }
+}
+
+// Vehicles of other sizes and layouts pass as well: none of them was used to choose a number.
+TEST(VehicleNew, OtherVehiclesFlyTheirDefaultDesign) {
+  if (kSanitized) GTEST_SKIP() << "flights of minutes";
+  const TemporaryDirectory folder;
+  const std::vector<std::vector<std::string>> vehicles = {
+      {"hexa", "--mass", "2.6kg", "--arm", "300mm", "--propeller", "11in", "--rotors", "6",
+       "--hover-speed", "4300rpm", "--thrust-to-weight", "2.1"},
+      {"racer", "--mass", "640g", "--arm", "110mm", "--propeller", "5.1in", "--blades", "3",
+       "--max-thrust", "900gf", "--sensors", "flow"},
+      {"plus", "--mass", "3.9lb", "--arm", "14in", "--propeller", "13in", "--layout", "plus",
+       "--spin", "ccw"},
+      {"octo", "--mass", "5.2kg", "--arm", "420mm", "--propeller", "12in", "--rotors", "8"},
+      {"toy", "--mass", "38g", "--arm", "46mm", "--propeller", "46mm", "--brushed", "--sensors",
+       "flow"}};
+  for (const std::vector<std::string>& words : vehicles) {
+    const std::string file = (folder.path() / (words[0] + ".toml")).string();
+    ASSERT_EQ(run_program(and_also(and_also({"vehicle", "new"}, words), {"-o", file})).status, 0);
+    const ProgramResult designed = run_program({"design", file, "--seeds", "2"});
+    EXPECT_EQ(designed.status, 0) << words[0] << designed.err << designed.out;
   }
 }
 

@@ -178,7 +178,7 @@ Waypoints read_waypoints(const TomlTable& table, const Context& context) {
     way.points.push_back(point_of(points.row(i), where, fmt::format("waypoint {}", i + 1)));
     if (i > 0 && (way.points.back() - way.points[way.points.size() - 2]).norm() < internal::kMinWay)
       throw InvalidInput(where, fmt::format("waypoints {} and {} are the same point, expected "
-                                            "points that differ",
+                                            "points that differ because a segment has a direction",
                                             i, i + 1));
   }
   if (way.points.size() < 2)

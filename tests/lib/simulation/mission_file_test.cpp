@@ -442,7 +442,8 @@ INSTANTIATE_TEST_SUITE_P(
                 kHead + kAir +
                     "[waypoints]\npoints_m = [\n  [0, 0, 1],\n  [1, 0, 1],\n  [1, 0, 1],\n]\n"
                     "look_ahead_m = 1\ntransition_radius_m = 1\n",
-                "m.toml:10: waypoints 2 and 3 are the same point, expected points that differ"},
+                "m.toml:10: waypoints 2 and 3 are the same point, expected points that differ "
+                "because a segment has a direction"},
         Refusal{"OneWaypoint",
                 kHead + kAir +
                     "[waypoints]\npoints_m = [[0, 0, 1]]\nlook_ahead_m = 1\n"
@@ -745,7 +746,9 @@ TEST(ValidateMission, RefusesWhatAFileWouldNotHold) {
   refuses(bad,
           "reference 3 begins at 4 s, expected later because the previous one is complete at 5 s");
   bad.kind = Waypoints{{{0, 0, -1}, {0, 0, -1}}, 1, 1, Nose::fixed, 0};
-  refuses(bad, "waypoints 1 and 2 are the same point, expected points that differ");
+  refuses(bad,
+          "waypoints 1 and 2 are the same point, expected points that differ because a segment has "
+          "a direction");
   bad.kind = Waypoints{{{0, 0, -1}}, 1, 1, Nose::fixed, 0};
   refuses(bad, "there are 1 waypoints, expected at least 2");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, 'd'}, {1, 'a'}}};

@@ -66,7 +66,8 @@ struct NewVehicle {
 /// masses at the hubs. Thrust and torque: coefficients of typical propellers, C_T = 0.115 and
 /// C_P = 0.05 for two blades. Lag, inertia of the rotor and drag: scaled from the built-in vehicles
 /// by the propeller's diameter. Rotors are numbered clockwise from the front left one (x) or the
-/// front one (plus), and turn in alternate directions.
+/// front one (plus), and turn in alternate directions. The ground effect is left out, because the
+/// height of the hubs above the ground is not measured.
 /// @throws OptionError  naming the member, for one out of range or for members that contradict
 /// Theory: "Estimated vehicles".
 [[nodiscard]] NewVehicle new_vehicle(const MeasuredVehicle& measured);
