@@ -21,6 +21,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/flight_code_check.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -118,6 +119,26 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"thrusts", "mambo", InputKind::rotor_thrust, -1},
         FlightCodeCase{"commands", "mambo", InputKind::command, 1}),
     [](const auto& of) { return of.param.name; });
+
+// Known offsets of the sensors survive a calibration, as in the library's filter.
+TEST(FlightCode, KeepsTheOffsetsThatTheUquadsFilterStartedWith) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  ExportContent content =
+      flight_code_content({"", "uquad", InputKind::wrench, -1, true, true, true, false, "uquad"});
+  content.flight_code.name = "prog";
+  content.vehicle.sensors.vision = SensorFaults{.rate = 10, .delay = 0.05};
+  const TemporaryDirectory folder;
+  write_files(folder.path(), flight_code_files(content));
+  const std::string command = fmt::format(
+      "cd '{}' && cc -std=c99 -I. -o offsets '{}/tests/exports/stubs/uquad_offsets.c' prog*.c -lm "
+      "> log 2>&1 && ./offsets {} > log 2>&1",
+      folder.path().string(), testing::source_folder(),
+      static_cast<int>(std::lround(2 / content.cascade->gains.dt)));
+  ASSERT_EQ(std::system(command.c_str()), 0) << folder.read("log");
+  // Without subtraction roll and pitch would be wrong by some 0.005 rad, with an overwritten offset
+  // p would be 0.05 rad/s, and the image would move x by 5 m.
+  EXPECT_EQ(folder.read("log"), "roll 0.0300 pitch -0.0200\np 0.000\nx 0.000\n");
+}
 
 TEST(FlightCode, HasTheUquadsFilterForOtherSensorsAndBodies) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
