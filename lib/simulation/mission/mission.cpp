@@ -69,7 +69,7 @@ void check(const Waypoints& way, const std::string& where) {
     require_place(way.points[i], where, fmt::format("waypoint {}", i + 1));
     if (i > 0 && (way.points[i] - way.points[i - 1]).norm() < internal::kMinWay)
       refuse(where, fmt::format("waypoints {} and {} are the same point, expected points that "
-                                "differ",
+                                "differ because a segment has a direction",
                                 i, i + 1));
   }
 }
