@@ -10,8 +10,10 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/gains/gains.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -19,9 +21,17 @@ namespace {
 struct Options {
   std::string A, G, C, Q, R, N;
   TimeArguments time;
+  bool show_sampled = false;
 };
 
-KalmanResult solve(const Options& options, std::istream& in) {
+/// The filter, and with --sampled the matrices per step.
+struct Solution {
+  KalmanResult filter;
+  std::optional<SampledNoise> sampled = {};
+  Eigen::MatrixXd R = {};  // of a sample
+};
+
+Solution solve(const Options& options, std::istream& in) {
   const auto need = [&in](const std::string& path, const char* option) {
     return require_matrix(path, in, "kalman", option);
   };
@@ -31,13 +41,19 @@ KalmanResult solve(const Options& options, std::istream& in) {
     DiscreteLti model;
     model.A = need(options.A, "--A");
     model.C = need(options.C, "--C");
-    return kalman(model, noise);
+    return {kalman(model, noise)};
   }
   ContinuousLti model;
   model.A = need(options.A, "--A");
   model.C = need(options.C, "--C");
   const std::optional<double>& sampled = options.time.sampled;
-  return sampled ? kalman_sampled(model, noise, *sampled) : kalman(model, noise);
+  if (!sampled) return {kalman(model, noise)};
+  Solution solution = {kalman_sampled(model, noise, *sampled)};
+  const Eigen::MatrixXd density =
+      noise.G.size() ? Eigen::MatrixXd(noise.G * noise.Q * noise.G.transpose()) : noise.Q;
+  solution.sampled = sampled_noise(model.A, density, *sampled);
+  solution.R = noise.R / *sampled;
+  return solution;
 }
 
 void add_options(CommandLine& line, Options& options) {
@@ -54,6 +70,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_flag("--continuous", options.time.continuous, "A is continuous");
   line.add_number("--sampled DT", options.time.sampled,
                   "sample the continuous model every DT seconds");
+  line.add_flag("--show-sampled", options.show_sampled,
+                "with --sampled: also print the sampled A, Q and R; JSON always has them");
 }
 
 void run_kalman(const Options& options, Context& context) {
@@ -62,13 +80,31 @@ void run_kalman(const Options& options, Context& context) {
     refuse("kalman", "--discrete",
            "expected one of --discrete (A is discrete), --continuous, --sampled DT");
   if (time.sampled) require_positive(*time.sampled, "kalman", "--sampled");
-  const KalmanResult result = solve(options, context.in);
+  if (options.show_sampled && !time.sampled)
+    refuse("kalman", "--show-sampled", "--show-sampled requires --sampled DT");
+  const Solution solution = solve(options, context.in);
+  const KalmanResult& result = solution.filter;
   if (!result.solved())
     throw NoSolution(fmt::format("kalman: {}: {}", to_string(result.status), result.culprit),
                      "--A");
   if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
   const double period = time.continuous ? 0 : time.sampled.value_or(1);
-  context.print([&] { return to_json(result, period); }, [&] { return to_text(result, period); });
+  context.print(
+      [&] {
+        internal::Json json = to_json(result, period);
+        if (solution.sampled)
+          json["sampled"] = {{"A", internal::matrix_to_json(solution.sampled->A, "A")},
+                             {"Q", internal::matrix_to_json(solution.sampled->Q, "Q")},
+                             {"R", internal::matrix_to_json(solution.R, "R")}};
+        return json;
+      },
+      [&] {
+        const std::string text = to_text(result, period);
+        if (!options.show_sampled) return text;
+        return text + section("sampled A", plain(solution.sampled->A)) +
+               section("sampled Q", plain(solution.sampled->Q)) +
+               section("sampled R", plain(solution.R));
+      });
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 /// quadtune lqr: LQR gains for matrices, or for a vehicle at a trim.
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <optional>
 
 #include "arguments/matrix_arguments.hpp"
@@ -11,16 +12,19 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/design/lqr_report.hpp"
+#include "quadtune/workbench/design/matrix_lqr.hpp"
 #include "report/gains/gains.hpp"
+#include "report/loops/matrix_loops.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 struct Options {
   LqrArguments vehicle;  // Q and R serve for matrices, too
-  std::string A, B, N;
+  std::string A, B, C, D, N;
   TimeArguments time;  // of the matrices
+  std::uint64_t delay = 0;
+  bool show_sampled = false;
   std::string schedule;
   std::string evidence;
   std::string plant;      // "flown", "ideal"; empty: chosen by the other options
@@ -97,23 +101,47 @@ void run_matrices(const Options& options, Context& context) {
   const auto need = [&context](const std::string& path, const char* option) {
     return require_matrix(path, context.in, "lqr", option);
   };
-  LqrProblem problem;
+  MatrixLqrProblem problem;
+  LqrProblem& lqr = problem.lqr;
   if (options.time.sampled) require_positive(*options.time.sampled, "lqr", "--sampled");
-  problem.sampled = options.time.sampled;
-  problem.discrete = options.time.discrete;
-  problem.A = need(options.A, "--A");
-  problem.B = need(options.B, "--B");
-  problem.weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
-                     read_matrix(options.N, context.in)};
-  const LqrReport report = lqr_report(problem, evidence);
-  require_solved(report.riccati, "--A");
-  context.notes("lqr: ", report.messages);
-  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+  if (options.vehicle.dt) {
+    if (!options.time.discrete)
+      refuse("lqr", "--dt",
+             "--dt with matrices requires --discrete; use --sampled DT for a "
+             "continuous plant whose input is held");
+    require_positive(*options.vehicle.dt, "lqr", "--dt");
+    problem.dt = *options.vehicle.dt;
+  }
+  if (options.show_sampled && !options.time.sampled)
+    refuse("lqr", "--show-sampled", "--show-sampled requires --sampled DT");
+  constexpr std::uint64_t kMaxDelay = 2000;
+  if (options.delay > kMaxDelay)
+    refuse("lqr", "--delay", "--delay is {} samples, expected at most {}", options.delay,
+           kMaxDelay);
+  if (options.delay > 0 && !options.time.discrete && !options.time.sampled)
+    refuse("lqr", "--delay", "--delay is in samples, expected --discrete or --sampled DT with it");
+  if (options.C.empty() && !options.D.empty())
+    refuse("lqr", "--D", "--D requires --C, the outputs that are integrated");
+  problem.delay = static_cast<int>(options.delay);
+  lqr.sampled = options.time.sampled;
+  lqr.discrete = options.time.discrete;
+  lqr.A = need(options.A, "--A");
+  lqr.B = need(options.B, "--B");
+  problem.C = read_matrix(options.C, context.in);
+  problem.D = read_matrix(options.D, context.in);
+  lqr.weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
+                 read_matrix(options.N, context.in)};
+  const MatrixLqrReport report = matrix_lqr(problem, evidence);
+  require_solved(report.lqr.riccati, "--A");
+  context.notes("lqr: ", report.lqr.messages);
+  context.print([&] { return to_json(report); },
+                [&] { return to_text(report, options.show_sampled); });
 }
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
-  line.refuse_given({"--N", "--continuous", "--discrete", "--sampled"},
-                    "applies to matrices only; use --method and --dt with a vehicle");
+  line.refuse_given(
+      {"--C", "--D", "--N", "--continuous", "--delay", "--discrete", "--sampled", "--show-sampled"},
+      "applies to matrices only; use --method and --dt with a vehicle");
   const PlantChoice choice = choose_plant(line, options.plant, options.structure);
   if (choice.flown && choice.matrix) {
     run_matrix_lqr(options.vehicle, options.flown, line.was_given("--inputs"), context);
@@ -148,11 +176,11 @@ void run_lqr(const CommandLine& line, Options& options, Context& context) {
     run_vehicle(line, options, context);
     return;
   }
-  line.refuse_given({"--at",     "--speed",      "--climb",    "--radius", "--yaw-rate",
-                     "--yaw",    "--convention", "--inputs",   "--states", "--integral",
-                     "--method", "--dt",         "--schedule", "--plant",  "--change",
-                     "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
-                    "applies to a vehicle only; use --discrete or --sampled DT with matrices");
+  line.refuse_given(
+      {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention", "--inputs",
+       "--states", "--integral", "--method", "--schedule", "--plant", "--change", "--past",
+       "--estimator", "--sensors", "--height", "--structure"},
+      "applies to a vehicle only; use --discrete or --sampled DT with matrices");
   run_matrices(options, context);
 }
 
@@ -167,6 +195,15 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--R FILE|LIST", options.vehicle.R,
                   "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is regular");
   line.add_option("--N FILE", options.N, "cross weights (nx x nu); default: 0");
+  line.add_option(
+      "--C FILE", options.C,
+      "outputs y = C x + D u whose integrals are fed back (LQI); the last rows of Q and N "
+      "are theirs");
+  line.add_option("--D FILE", options.D, "feed-through to these outputs; default: 0");
+  line.add_count("--delay N", options.delay, 0,
+                 "the input acts N samples late; with --discrete or --sampled");
+  line.add_flag("--show-sampled", options.show_sampled,
+                "with --sampled: also print the sampled A, B, Q, R and N; JSON always has them");
   line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
   line.add_flag("--discrete", options.time.discrete, "A and B are discrete");
   line.add_number("--sampled DT", options.time.sampled,
@@ -178,7 +215,8 @@ void add_options(CommandLine& line, Options& options) {
       "--method NAME", options.vehicle.method,
       "with V: continuous (default), discrete (weights per step) or sampled (exact cost)");
   line.add_number("--dt T", options.vehicle.dt,
-                  "with V: sample period [s], 0.005 on the flown plant");
+                  "sample period [s]: with V, 0.005 on the flown plant; with --discrete, that of A "
+                  "and B, default 1");
   line.add_option("--plant NAME", options.plant,
                   "with V: flown (default) includes motor lag, sensor delays and estimator; ideal "
                   "is the textbook plant with 12 states, which the options from --at to --states, "

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "arguments/flight_arguments.hpp"
+#include "arguments/loop_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
 #include "arguments/plot_argument.hpp"
@@ -14,8 +15,10 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/matrix_checks.hpp"
+#include "quadtune/workbench/design/matrix_loop.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
 #include "report/loops/loops.hpp"
+#include "report/loops/matrix_loops.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 
@@ -25,23 +28,53 @@ namespace {
 struct Options {
   FlightOptions flight;  ///< of the flown loop: vehicle, gains, estimator and sensors
   FlownLoopOptions at;
-  std::string num, den, A, B, K, cut = "inputs", plant = "flown";
+  std::string num, den, A, B, C, D, K, cut = "inputs", plant = "flown";
+  std::string frd, measured = "loop";
+  ControllerArguments controller;
   TimeArguments time;  ///< of the matrices
   std::optional<double> dt;
-  double delay = 0;
+  double delay = 0, skew = 0;
   PlotArgument plot;
 
   [[nodiscard]] bool has_vehicle() const { return !flight.vehicle.empty(); }
-  [[nodiscard]] bool has_matrices() const { return !A.empty() || !B.empty() || !K.empty(); }
+  [[nodiscard]] bool has_fraction() const { return !num.empty() || !den.empty(); }
+  [[nodiscard]] bool has_matrices() const {
+    return !A.empty() || !B.empty() || !C.empty() || !D.empty() || !K.empty();
+  }
 };
 
-bool cut_at_states(const Options& options) {
+/// Whether the loop is cut at the states, or with outputs instead of a gain at the outputs.
+bool cut_at_end(const Options& options) {
+  const bool has_outputs = options.K.empty() && !options.has_vehicle();
   if (options.cut == "inputs") return false;
-  if (options.cut == "states") return true;
-  refuse("margins", "--cut", "--cut is '{}', expected inputs or states", options.cut);
+  if (options.cut == (has_outputs ? "outputs" : "states")) return true;
+  refuse("margins", "--cut", "--cut is '{}', expected inputs or {}", options.cut,
+         has_outputs ? "outputs" : "states");
 }
 
-NamedLoop transfer_function_loop(const Options& options) {
+/// The plant of a transfer function with a controller as matrices; its delay is one of the loop.
+NamedLoop loop_with_controller(const Options& options, const LoopController& controller) {
+  const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
+  const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
+  MatrixLoopOptions loop;
+  loop.delay = options.delay;
+  loop.at_outputs = cut_at_end(options);
+  if (!options.dt) {
+    const ContinuousTransferFunction g{num, den, 0};
+    validate(g, "--num, --den");
+    return matrix_loop(realize(g), controller, loop);
+  }
+  const DiscreteTransferFunction g{num, den, *options.dt, 0};
+  validate(g, "--num, --den");
+  const DiscreteLti plant = realize(g);
+  loop.time = MatrixTime::discrete;
+  loop.dt = *options.dt;
+  return matrix_loop({plant.A, plant.B, plant.C, plant.D, {}, {}, {}}, controller, loop);
+}
+
+NamedLoop transfer_function_loop(const Options& options, std::istream& in) {
+  if (const auto controller = controller_of(options.controller, in, "margins"))
+    return loop_with_controller(options, *controller);
   const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
   const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
   if (options.dt) {
@@ -69,7 +102,29 @@ MatrixTime time_of(const TimeArguments& time, const std::optional<double>& dt) {
   return time.sampled ? MatrixTime::sampled : dt ? MatrixTime::discrete : MatrixTime::continuous;
 }
 
-NamedLoop matrix_loop(const Options& options, std::istream& in) {
+/// The loop A, B, C, D, or the plant of these matrices with a controller.
+NamedLoop output_loop(const Options& options, std::istream& in) {
+  MatrixLoopOptions loop;
+  loop.time = time_of(options.time, options.dt);
+  loop.dt = options.time.sampled.value_or(options.dt.value_or(0));
+  loop.delay = options.delay;
+  loop.at_outputs = cut_at_end(options);
+  ContinuousLti plant;
+  plant.A = require_matrix(options.A, in, "margins", "--A");
+  plant.B = require_matrix(options.B, in, "margins", "--B");
+  plant.C = require_matrix(options.C, in, "margins", "--C");
+  plant.D = read_matrix(options.D, in);
+  validate(plant, "--A, --B, --C, --D");
+  return matrix_loop(plant, controller_of(options.controller, in, "margins"), loop);
+}
+
+NamedLoop gain_matrix_loop(const Options& options, std::istream& in) {
+  if (!options.C.empty() || !options.D.empty())
+    refuse("margins", "--C",
+           "--C and --D cannot be combined with --K, which is a gain on the states; a gain on the "
+           "outputs is --controller-D");
+  if (options.controller.given())
+    refuse("margins", "--K", "--K cannot be combined with a controller, expected one of them");
   GainLoopOptions gain;
   gain.time = time_of(options.time, options.dt);
   gain.dt = options.time.sampled.value_or(options.dt.value_or(0));
@@ -80,10 +135,25 @@ NamedLoop matrix_loop(const Options& options, std::istream& in) {
   const Eigen::MatrixXd K = require_matrix(options.K, in, "margins", "--K");
   require_shape(K, B.cols(), A.rows(), "--K", "K", "one row per input, one column per state");
   require_finite(K, "--K", "K");
-  gain.at_states = cut_at_states(options);
+  gain.at_states = cut_at_end(options);
   const ContinuousLti plant{A, B, {}, {}, {}, {}, {}};
   validate(plant, "--A, --B");
   return gain_loop(plant, K, gain);
+}
+
+/// Margins of frequency response data.
+void run_data(const Options& options, Context& context) {
+  if (!options.plot.file.empty())
+    refuse("margins", "--plot", "--plot requires a model of the loop, and --frd gives none");
+  const FrequencyDataReport report = option_of_command("margins", [&] {
+    return frequency_data_report(read_frequency_data(options.frd),
+                                 measured_response(options.measured),
+                                 controller_of(options.controller, context.in, "margins"),
+                                 options.dt.value_or(0), options.delay, options.skew);
+  });
+  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+  context.notes("margins: note: ", report.notes);
+  context.notes("margins: warning: ", margin_warnings(report.margins));
 }
 
 LoopReport vehicle_loop(const Options& options) {
@@ -91,7 +161,7 @@ LoopReport vehicle_loop(const Options& options) {
     refuse(
         "margins", "--gains",
         "--gains is missing, expected the gains of the vehicle: a file or an export's directory");
-  if (cut_at_states(options))
+  if (cut_at_end(options))
     refuse("margins", "--cut",
            "--cut states applies to matrices only, expected inputs with a vehicle");
   FlownLoopOptions at = options.at;
@@ -99,18 +169,36 @@ LoopReport vehicle_loop(const Options& options) {
   return loop_report(options.flight, at, options.plant == "flown");
 }
 
-/// Requires exactly one of the three ways to define a loop, and no option of the other two.
-void require_one_loop(const Options& options) {
-  const bool fraction = !options.num.empty() || !options.den.empty();
-  if (int{fraction} + int{options.has_matrices()} + int{options.has_vehicle()} != 1)
+/// Requires exactly one of the ways to define a loop, and no option of the others.
+void require_one_loop(const Options& options, const CommandLine& line) {
+  if (int{options.has_fraction()} + int{options.has_matrices()} + int{options.has_vehicle()} +
+          int{!options.frd.empty()} !=
+      1)
+    refuse(
+        "margins", "V",
+        "expected one of --num and --den, or --A, --B and --K, or --A, --B and --C, or --frd, or "
+        "a vehicle with --gains");
+  if (options.has_vehicle() && options.controller.given())
     refuse("margins", "V",
-           "expected one of --num and --den, or --A, --B and --K, or a vehicle with --gains");
+           "a vehicle cannot be combined with a controller, because its gains are "
+           "the controller; expected --gains");
+  if (options.has_vehicle() && options.plant == "flown" && line.was_given("--skew"))
+    refuse("margins", "--skew", "--skew does not apply to the flown loop; expected --plant ideal");
+  if (options.frd.empty() && line.was_given("--measured"))
+    refuse("margins", "--measured", "--measured requires --frd");
+  if (line.was_given("--integrator") && options.controller.pid.empty())
+    refuse("margins", "--integrator", "--integrator requires --pid");
+  if (options.has_fraction() && !options.controller.given() && line.was_given("--cut"))
+    refuse("margins", "--cut", "--cut requires matrices or a controller");
   if (!options.flight.gains.empty() && !options.has_vehicle())
     refuse("margins", "--gains", "--gains requires a vehicle; expected `margins V --gains FILE`");
 }
 
 /// The title of the picture: the loop as the command line defines it.
 std::string figure_title(const Options& options) {
+  if (options.has_matrices() && options.K.empty())
+    return fmt::format("Loop of A {}, B {}, C {}{}", options.A, options.B, options.C,
+                       options.controller.given() ? " with its controller" : "");
   const std::string what =
       options.has_vehicle()    ? fmt::format("{} with the gains {}, ideal plant",
                                              options.flight.vehicle, options.flight.gains)
@@ -138,7 +226,7 @@ void require_flown(const Options& options, const CommandLine& line) {
 
 void require_sane(const Options& options, const CommandLine& line) {
   require_flown(options, line);
-  require_one_loop(options);
+  require_one_loop(options, line);
   require_picture(options.plot, "margins");
   require_not_negative(options.delay, "margins", "--delay");
   if (options.dt) require_positive(*options.dt, "margins", "--dt");
@@ -156,16 +244,31 @@ void require_sane(const Options& options, const CommandLine& line) {
 
 void run_margins(const CommandLine& line, const Options& options, Context& context) {
   require_sane(options, line);
-  const LoopReport report = option_of_command("margins", [&] {
+  if (!options.frd.empty()) {
+    run_data(options, context);
+    return;
+  }
+  LoopReport report = option_of_command("margins", [&] {
     if (options.has_vehicle()) return vehicle_loop(options);
-    return loop_report(options.has_matrices() ? matrix_loop(options, context.in)
-                                              : transfer_function_loop(options));
+    if (!options.has_matrices()) return loop_report(transfer_function_loop(options, context.in));
+    return loop_report(options.K.empty() ? output_loop(options, context.in)
+                                         : gain_matrix_loop(options, context.in));
   });
+  if (options.skew != 0) set_skew(report.ideal, report.loop.loop, options.skew);
   draw(
       options.plot,
       [&] { return margins_figure(figure_title(options), report.loop.loop, report.ideal); },
       context);
-  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+  context.print(
+      [&] {
+        internal::Json json = to_json(report);
+        json["skew"] = options.skew;
+        return json;
+      },
+      [&] {
+        return to_text(report) +
+               (options.has_vehicle() ? "" : section("peaks", peaks_text(report.ideal)));
+      });
   if (!report.loop.taken_as.empty()) context.note("margins: " + report.loop.taken_as);
   if (report.flown) context.notes("margins: note: ", flown_notes(*report.flown));
   context.notes("margins: note: ", margin_notes(report.margins()));
@@ -179,8 +282,23 @@ void add_loop_options(CommandLine& line, Options& options) {
   line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
   line.add_option("--B FILE", options.B, "inputs (nx x nu)");
   line.add_option("--K FILE", options.K, "gain of u = -K x (nu x nx)");
+  line.add_option("--C FILE", options.C,
+                  "outputs (ny x nx) in place of K: the loop is A, B, C, D, or the plant of a "
+                  "controller");
+  line.add_option("--D FILE", options.D, "feed-through (ny x nu); default: 0");
+  add_controller_options(line, options.controller);
+  line.add_option("--frd FILE", options.frd,
+                  "measured frequency response: a text with the columns w or f, and re and im, or "
+                  "mag or mag_db and phase_deg or phase_rad");
+  line.add_option("--measured WHAT", options.measured,
+                  "with --frd: loop (default), T (set point to output) or S (disturbance at the "
+                  "output to output); with a controller, loop means the plant");
   line.add_option("--cut PLACE", options.cut,
-                  "with matrices: where the loop is cut, inputs (default) or states");
+                  "with matrices: where the loop is cut, inputs (default), or states with --K, "
+                  "outputs with --C");
+  line.add_number("--skew S", options.skew,
+                  "skew of the disk margins: 0 (default) balances S and T, 1 is that of S, -1 that "
+                  "of T");
   line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
   line.add_flag("--discrete", options.time.discrete, "A and B are discrete, with --dt");
   line.add_number("--sampled DT", options.time.sampled,
@@ -210,8 +328,9 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb margins_verb() {
   return {"margins",
-          "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--discrete --dt T "
-          "| --sampled DT]   or   V --gains FILE [--plant ideal]",
+          "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE (--K FILE | --C FILE) "
+          "[--discrete --dt T | --sampled DT]   or   --frd FILE   or   V --gains FILE [--plant "
+          "ideal]",
           "gain, phase, delay and disk margins of a loop under negative feedback",
           "quadtune margins --num 25 --den 1,10,10,10", with_options(add_options, run_margins)};
 }

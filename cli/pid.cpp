@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune pid: PID gains for a transfer function, by requirement, by rule, or by optimization
 /// within bounds; or for the cascade of a vehicle.
+#include "quadtune/control/pid.hpp"
+
+#include <fmt/format.h>
+
 #include <optional>
 
 #include "arguments/flight_arguments.hpp"
+#include "arguments/loop_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/synthesis/ultimate_rules.hpp"
 #include "quadtune/workbench/design/pid_report.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
 #include "report/loops/loops.hpp"
+#include "report/loops/matrix_loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {
@@ -27,6 +34,8 @@ struct Options {
   std::optional<double> crossover, phase_margin;  // [rad/s], [deg]
   std::optional<double> Tf, tau_c;                // [s]
   std::optional<double> Mt_max, noise_gain_max;
+  std::optional<double> Ku, Tu;  // [output / error], [s]
+  std::string gains;             // "Kp,Ki,Kd,Tf"
   PlotArgument plot;
 };
 
@@ -78,6 +87,70 @@ PidRequest request_of(const Options& options) {
   return request;
 }
 
+/// --integrator of a controller that is discretized at --dt; by default tustin.
+PidMethod method_of(const Options& options) {
+  return options.cascade.integrator ? pid_method(*options.cascade.integrator, "--integrator")
+                                    : PidMethod::tustin;
+}
+
+/// Adds the controller at the sample period of --dt, if it was given.
+void add_discrete(internal::Json& json, const PidGains& gains, const Options& options) {
+  if (options.cascade.dt)
+    json["discrete"] = discrete_pid_json(gains, *options.cascade.dt, method_of(options));
+}
+std::string discrete_text(const PidGains& gains, const Options& options) {
+  return options.cascade.dt ? section("discrete", discrete_pid_text(gains, *options.cascade.dt,
+                                                                    method_of(options)))
+                            : "";
+}
+
+void print_gains(const PidGains& gains, const std::string& how, const Options& options,
+                 Context& context) {
+  if (options.cascade.dt) (void)pid_settings(gains, *options.cascade.dt, method_of(options));
+  context.print(
+      [&] {
+        internal::Json json = {
+            {"Kp", gains.Kp}, {"Ki", gains.Ki}, {"Kd", gains.Kd}, {"Tf", gains.Tf}, {"how", how}};
+        add_discrete(json, gains, options);
+        return json;
+      },
+      [&] {
+        return section("gains", fmt::format("Kp {}  Ki {} 1/s  Kd {} s  Tf {} s", number(gains.Kp),
+                                            number(gains.Ki), number(gains.Kd), number(gains.Tf))) +
+               section("by", how) + discrete_text(gains, options);
+      });
+}
+
+/// Gains from the limit of stability, or given ones: without a plant, hence without margins.
+void run_without_plant(const CommandLine& line, const Options& options, Context& context) {
+  line.refuse_given({"--num", "--den", "--delay", "--crossover", "--phase-margin", "--Tf",
+                     "--tau-c", "--Ms-max", "--Mt-max", "--noise-gain-max", "--plot"},
+                    "cannot be combined with --Ku or --gains, which need no plant");
+  if (!options.gains.empty()) {
+    line.refuse_given({"--Ku", "--Tu", "--rule", "--type"}, "cannot be combined with --gains");
+    if (!options.cascade.dt)
+      refuse("pid", "--dt", "--dt is missing, expected the sample period at which the gains run");
+    print_gains(pid_gains_of(options.gains, "pid", "--gains"), "given", options, context);
+    return;
+  }
+  if (!options.Ku || !options.Tu)
+    refuse("pid", options.Ku ? "--Tu" : "--Ku", "--Ku and --Tu belong together, expected both");
+  require_positive(*options.Tu, "pid", "--Tu");
+  const std::string rule = options.rule.empty() ? "ziegler-nichols" : options.rule;
+  const PidGains gains = option_of_command("pid", [&] {
+    const PidType type = pid_type(options.type);
+    try {
+      return ultimate_rule(rule, type, *options.Ku, *options.Tu);
+    } catch (const InvalidInput& error) {
+      throw OptionError("rule", "rule: " + error.message());
+    }
+  });
+  print_gains(gains,
+              fmt::format("{} by {} for an ultimate gain of {} and a period of {} s", options.type,
+                          rule, number(*options.Ku), number(*options.Tu)),
+              options, context);
+}
+
 void run_transfer_function(const Options& options, Context& context) {
   require_picture(options.plot, "pid");
   require_one_way(options);
@@ -90,7 +163,14 @@ void run_transfer_function(const Options& options, Context& context) {
            "the gain of the derivative is unbounded for this plant; expected a filter with --Tf");
   draw(
       options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
-  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+  if (options.cascade.dt) (void)pid_settings(report.gains, *options.cascade.dt, method_of(options));
+  context.print(
+      [&] {
+        internal::Json json = to_json(report);
+        add_discrete(json, report.gains, options);
+        return json;
+      },
+      [&] { return to_text(report) + discrete_text(report.gains, options); });
   context.notes("pid: warning: ", margin_warnings(report.margins));
 }
 
@@ -99,10 +179,11 @@ void run_transfer_function(const Options& options, Context& context) {
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_picture(options.plot, "pid");
-  line.refuse_given({"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
-                     "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
-                    "belongs to a transfer function; use --bandwidth, --Ms-max and similar options "
-                    "with a vehicle");
+  line.refuse_given(
+      {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf", "--rule",
+       "--tau-c", "--Mt-max", "--noise-gain-max", "--Ku", "--Tu", "--gains"},
+      "belongs to a transfer function; use --bandwidth, --Ms-max and similar options "
+      "with a vehicle");
   if (line.was_given("--free")) options.cascade.use_published = !options.free;
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const VehicleCascade cascade = option_of_command(
@@ -117,10 +198,16 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
 
 void run_pid(const CommandLine& line, Options& options, Context& context) {
   if (options.vehicle.empty()) {
-    line.refuse_given(
-        {"--method", "--plant", "--dt", "--bandwidth", "--sensor-delay", "--structure",
-         "--motor-lag", "--tracking-max", "--integral", "--integrator", "--free"},
-        "belongs to a vehicle; expected `pid V`");
+    line.refuse_given({"--method", "--plant", "--bandwidth", "--sensor-delay", "--structure",
+                       "--motor-lag", "--tracking-max", "--integral", "--free"},
+                      "belongs to a vehicle; expected `pid V`");
+    if (options.cascade.dt) require_positive(*options.cascade.dt, "pid", "--dt");
+    if (line.was_given("--integrator") && !options.cascade.dt)
+      refuse("pid", "--integrator", "--integrator requires --dt, the sample period");
+    if (options.Ku || options.Tu || !options.gains.empty()) {
+      run_without_plant(line, options, context);
+      return;
+    }
     run_transfer_function(options, context);
     return;
   }
@@ -136,8 +223,16 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
   line.add_number("--phase-margin DEG", options.phase_margin,
                   "phase margin at the crossover [deg]");
   line.add_number("--Tf S", options.Tf, "time constant of the derivative filter [s]; default 0");
-  line.add_option("--rule NAME", options.rule,
-                  "amigo, simc, ziegler-nichols, cohen-coon or lambda");
+  line.add_option(
+      "--rule NAME", options.rule,
+      "amigo, simc, ziegler-nichols, cohen-coon or lambda; from the limit of stability: "
+      "pessen, some-overshoot, no-overshoot or tyreus-luyben");
+  line.add_number("--Ku K", options.Ku,
+                  "in place of a plant: gain at which a proportional loop oscillates; with --rule, "
+                  "by default ziegler-nichols");
+  line.add_number("--Tu S", options.Tu, "with --Ku: period of that oscillation [s]");
+  line.add_option("--gains LIST", options.gains,
+                  "in place of a plant: Kp,Ki,Kd,Tf to discretize at --dt");
   line.add_number("--tau-c S", options.tau_c,
                   "with the rules simc and lambda: time constant of the closed loop [s]");
   line.add_number("--Ms-max M", options.cascade.Ms_max,
@@ -148,7 +243,8 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
 
 void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {
   line.add_number("--dt T", options.dt,
-                  "with V: control period [s]; default: that of its published gains, or 0.005");
+                  "control period [s]; with V, default: that of its published gains, or 0.005; "
+                  "otherwise, print the difference equation at this period");
   line.add_option(
       "--bandwidth LIST", options.bandwidth,
       "with V: crossover of the rate loops [rad/s]: roll=40,x=2, or one number for all");
@@ -164,7 +260,7 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
   line.add_option("--integral LIST", options.integral,
                   "with V: loops that have an integral, or none; default: all");
   line.add_option("--integrator NAME", options.integrator,
-                  "with V: euler (default), backward-euler or tustin");
+                  "euler, backward-euler or tustin; default: with V euler, otherwise tustin");
   line.add_flag(
       "--free", free,
       "with V: do not bound the loops by the Ms, noise and load peak of the published gains");
@@ -187,12 +283,13 @@ void add_options(CommandLine& line, Options& options) {
 }  // namespace
 
 Verb pid_verb() {
-  return {"pid",
-          "V [options]   or   --num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG "
-          "| --rule NAME | --Ms-max M)",
-          "PID gains for a vehicle's cascade or for a transfer function",
-          "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
-          with_options(add_options, run_pid)};
+  return {
+      "pid",
+      "V [options]   or   --num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG "
+      "| --rule NAME | --Ms-max M)   or   --Ku K --Tu S [--rule NAME]   or   --gains LIST --dt T",
+      "PID gains for a vehicle's cascade or for a transfer function",
+      "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
+      with_options(add_options, run_pid)};
 }
 
 }  // namespace quadtune::cli

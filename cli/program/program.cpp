@@ -12,6 +12,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "matrix_verbs.hpp"
 #include "program/command_line.hpp"
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
@@ -273,11 +274,11 @@ std::vector<std::string> kinds_of(const std::string& first) {
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> all = [] {
     std::vector<Verb> list = {
-        design_verb(),    vehicle_verb(),    linearize_verb(),   lqr_verb(),      lqg_verb(),
-        kalman_verb(),    discretize_verb(), margins_verb(),     pid_verb(),      fly_verb(),
-        compare_verb(),   log_verb(),        tune_kalman_verb(), tune_pid_verb(), tune_lqr_verb(),
-        calibrate_verb(), allan_verb(),      export_verb(),      import_verb(),   verify_verb(),
-        certify_verb(),   diff_verb(),       help_verb()};
+        design_verb(),   vehicle_verb(),  linearize_verb(), lqr_verb(),        lqg_verb(),
+        kalman_verb(),   place_verb(),    analyze_verb(),   discretize_verb(), margins_verb(),
+        pid_verb(),      fly_verb(),      compare_verb(),   log_verb(),        tune_kalman_verb(),
+        tune_pid_verb(), tune_lqr_verb(), calibrate_verb(), allan_verb(),      export_verb(),
+        import_verb(),   verify_verb(),   certify_verb(),   diff_verb(),       help_verb()};
     const std::vector<Verb> campaign = campaign_verbs();
     const auto log =
         std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });

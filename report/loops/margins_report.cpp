@@ -32,6 +32,7 @@ Json disk_json(const DiskMargin& disk) {
   return {{"disk_alpha", disk.alpha},
           {"disk_frequency", disk.w},
           {"disk_gain_margin_db", decibels(disk.gain_high)},
+          {"disk_gain_reduction_db", disk.gain_low > 0 ? Json(decibels(disk.gain_low)) : Json()},
           {"disk_phase_margin_deg", degrees(disk.phase)}};
 }
 
@@ -44,7 +45,9 @@ Json loop_json(const std::string& name, const LoopMargins& margins) {
                {"crossover", margins.crossover},
                {"delay_margin_s", margins.delay_margin},
                {"Ms", margins.Ms},
-               {"Mt", margins.Mt}};
+               {"Ms_frequency", margins.w_Ms},
+               {"Mt", margins.Mt},
+               {"Mt_frequency", margins.w_Mt}};
   json.update(disk_json(margins.disk));
   json.update(crossovers_json(margins));
   return json;

@@ -146,7 +146,7 @@ class PeakSearch {
   }
 
   /// Returns the largest upper bound and its frequency.
-  [[nodiscard]] Peak find() {
+  [[nodiscard]] internal::Peak find() {
     improve_largest();
     return internal::highest_peak([&](double w) { return upper_bound(at(w)); }, w_, upper_);
   }

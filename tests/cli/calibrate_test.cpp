@@ -471,7 +471,7 @@ TEST(AllanVerb, RefusesBadCommandLines) {
   EXPECT_THAT(refusal({"--simulate", "--taus", "octave"}), HasSubstr("did you mean 'octaves'?"));
   EXPECT_THAT(refusal({"--simulate", "--log", log}),
               HasSubstr("--simulate cannot be combined with --log"));
-  EXPECT_THAT(refusal({"--simulate", "--plot", "a.pdf"}), HasSubstr(".svg or .png"));
+  EXPECT_THAT(refusal({"--simulate", "--plot", "a.pdf"}), HasSubstr(".svg, .png, .csv or .json"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--rate", "-3"}),
               HasSubstr("expected a number greater than 0"));
 }

@@ -14,6 +14,7 @@
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/synthesis/pid_loop.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/synthesis/ultimate_rules.hpp"
 
 namespace quadtune {
 namespace {
@@ -24,8 +25,9 @@ struct Found {
   std::string how;
 };
 
-const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "cohen-coon",
-                                         "lambda"};
+const std::vector<std::string> kRules = {"amigo",          "simc",         "ziegler-nichols",
+                                         "cohen-coon",     "lambda",       "pessen",
+                                         "some-overshoot", "no-overshoot", "tyreus-luyben"};
 
 /// Formats a number for messages.
 std::string short_number(double value) { return fmt::format("{:.6g}", value); }
@@ -85,6 +87,16 @@ Found by_simc(const ContinuousTransferFunction& plant, PidType type,
           fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), short_number(used))};
 }
 
+/// A rule from the gain and the period of the plant's oscillation at the limit of stability.
+Found by_ultimate_point(const ContinuousTransferFunction& plant, PidType type,
+                        const std::string& rule) {
+  const UltimatePoint point = ultimate_point(plant);
+  if (!point.exists()) throw NoSolution("pid: " + point.culprit, "--rule");
+  return {ultimate_rule(rule, type, point.gain, point.period),
+          fmt::format("{} by {} for an ultimate gain of {} and a period of {} s", to_string(type),
+                      rule, short_number(point.gain), short_number(point.period))};
+}
+
 Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRule& asked) {
   const std::string& rule = asked.rule;
   if (std::find(kRules.begin(), kRules.end(), rule) == kRules.end())
@@ -94,6 +106,9 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
   if (asked.tau_c && rule != "simc" && rule != "lambda")
     throw OptionError("tau-c", "tau-c is only for the rules simc and lambda");
   if (asked.tau_c) require_positive_option("tau-c", *asked.tau_c, "seconds");
+  if (rule == "pessen" || rule == "some-overshoot" || rule == "no-overshoot" ||
+      rule == "tyreus-luyben")
+    return by_ultimate_point(plant, type, rule);
   if (rule == "simc") return by_simc(plant, type, asked.tau_c);
   const FopdtModel model = require_fitted(fit_fopdt(plant));
   const double lambda = asked.tau_c.value_or(std::max(model.delay, model.time_constant / 3));

@@ -4,10 +4,14 @@
 
 #include "quadtune/synthesis/actuator_lqi.hpp"          // LQI with actuators that lag
 #include "quadtune/synthesis/cascade_loop.hpp"          // one loop of a PID cascade
+#include "quadtune/synthesis/delayed_lqi.hpp"           // integrals of outputs, delayed inputs
 #include "quadtune/synthesis/diagonal_lqr.hpp"          // an LQR as a function of its weights
 #include "quadtune/synthesis/flown_axis.hpp"            // one group of axes of the flown plant
 #include "quadtune/synthesis/flown_plant.hpp"           // the plant with lag, delays, estimator
+#include "quadtune/synthesis/frequency_data.hpp"        // margins of measured responses
+#include "quadtune/synthesis/invariant_zeros.hpp"       // zeros of any system
 #include "quadtune/synthesis/kalman.hpp"                // steady-state Kalman filters
+#include "quadtune/synthesis/lqg_regulator.hpp"         // LQR and filter as one controller
 #include "quadtune/synthesis/lqr.hpp"                   // linear-quadratic regulators
 #include "quadtune/synthesis/lyapunov.hpp"              // Lyapunov equations, Gramians and norms
 #include "quadtune/synthesis/margins.hpp"               // margins of one loop
@@ -19,11 +23,14 @@
 #include "quadtune/synthesis/pid_loop.hpp"              // PID gains for a crossover
 #include "quadtune/synthesis/pid_optimum.hpp"           // the best PID gains within bounds
 #include "quadtune/synthesis/pid_rules.hpp"             // PID gains by published rules
+#include "quadtune/synthesis/pole_placement.hpp"        // gains for given poles
 #include "quadtune/synthesis/riccati.hpp"               // Riccati equations
 #include "quadtune/synthesis/riccati_batch.hpp"         // many Riccati equations of one size
 #include "quadtune/synthesis/robust_stability.hpp"      // proof over an uncertainty box
 #include "quadtune/synthesis/robustness.hpp"            // how large that box may become
+#include "quadtune/synthesis/series.hpp"                // two systems in series
 #include "quadtune/synthesis/simultaneous_margins.hpp"  // margins of several loops at once
 #include "quadtune/synthesis/state_feedback.hpp"        // the gains of an LQR design
 #include "quadtune/synthesis/step_response.hpp"         // closed loops in time
+#include "quadtune/synthesis/ultimate_rules.hpp"        // PID rules from Ku and Tu
 #include "quadtune/synthesis/uncertain_loop.hpp"        // a loop with uncertain parameters
