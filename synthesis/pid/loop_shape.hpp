@@ -33,9 +33,8 @@ class LoopShape {
   LoopShape(const ContinuousTransferFunction& plant, const std::vector<double>& corners);
 
   /// Whether all poles of the closed loop are in the open left half-plane. Computed from the
-  /// characteristic polynomial or, with a delay, by Mikhailov's criterion, which follows the
-  /// argument of den(jω) + num(jω) e^(-jω delay). Also false for improper loops, and for those with
-  /// a cancelled pole at 0.
+  /// characteristic polynomial or, with a delay, by stable_with_delay(). Also false for improper
+  /// loops, and for those with a cancelled pole at 0.
   [[nodiscard]] bool stable(const PidGains& gains) const;
   [[nodiscard]] SensitivityPeaks peaks(const PidGains& gains) const;
   /// max |C/(1 + L)| over the frequencies of the grid.

@@ -60,6 +60,86 @@ TEST(LoopShape, MikhailovAgreesWithTheRoots) {
   EXPECT_LT(stable, 270);
 }
 
+/// Follows arg F(jω), F = den + num e^(-jω delay), in steps short enough for the delay and the
+/// roots, up to where |L| is below 1/2, and returns the number of roots in the right half-plane.
+/// A second method for stable_with_delay().
+double roots_in_the_right_half(const ContinuousTransferFunction& loop) {
+  const auto F = [&](double w) {
+    return polynomial(loop.den, {0, w}) +
+           polynomial(loop.num, {0, w}) * std::polar(1.0, -w * loop.delay);
+  };
+  const auto size = [&](double w) {
+    return std::abs(polynomial(loop.num, {0, w}) / polynomial(loop.den, {0, w}));
+  };
+  double end = 1e3;
+  while (!(size(end) < 0.9)) end *= 2;
+  double total = 0;
+  double w = 0;
+  for (std::complex<double> f = F(0); w < end;) {
+    double step = std::min(1e-3 * std::max(w, 1e-2), 0.05 / loop.delay);
+    std::complex<double> next = F(w + step);
+    while (std::abs(std::arg(next / f)) > 0.3 && step > 1e-12 * w) {
+      step /= 2;
+      next = F(w + step);
+    }
+    total += std::arg(next / f);
+    f = next;
+    w += step;
+  }
+  for (const std::complex<double>& root : polynomial_roots(loop.den)) {
+    const double rest = pi / 2 - std::atan2(w - root.imag(), std::abs(root.real()));
+    total += root.real() > 0 ? -rest : rest;
+  }
+  total -= std::arg(1.0 + loop({0, w}));
+  const auto n = static_cast<double>(loop.den.size() - 1);
+  return (n * pi / 2 - total) / pi;
+}
+
+// Plants with lightly damped poles and zeros, unstable poles and integrators, under PI and PID with
+// and without a filter, with delays from a thousandth of the plant's times to twenty of them.
+TEST(LoopShape, ClosedFormAgreesWithFollowingTheArgument) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform;
+  const auto between = [&](double low, double high) {
+    return low * std::pow(high / low, uniform(random));
+  };
+  const auto quadratic = [&] {
+    const double w = between(0.3, 10), zeta = between(0.003, 1);
+    return Eigen::Vector3d(1, (uniform(random) < 0.2 ? -2 : 2) * zeta * w, w * w);
+  };
+  int stable = 0, compared = 0;
+  for (int i = 0; i < 250; ++i) {
+    ContinuousTransferFunction plant;
+    plant.num = uniform(random) < 0.5 ? Eigen::VectorXd(kOneGain * between(0.1, 10))
+                                      : Eigen::VectorXd(quadratic());
+    plant.den = polynomial_product(
+        quadratic(), Eigen::Vector2d(1, uniform(random) < 0.3 ? 0 : between(0.1, 10)));
+    plant.delay = between(1e-3, 20);
+    const double gain = plant.den.tail(1)[0] == 0 ? 1 : plant.den.tail(1)[0];
+    PidGains gains;
+    gains.Kp = gain / plant.num.tail(1)[0] * between(0.01, 3);
+    if (uniform(random) < 0.7) gains.Ki = gains.Kp * between(0.001, 1) / std::max(plant.delay, 1.0);
+    if (uniform(random) < 0.5) gains.Kd = gains.Kp * between(0.01, 1);
+    if (uniform(random) < 0.5) gains.Tf = between(0.001, 0.1);
+    const ContinuousTransferFunction loop = loop_of(plant, gains);
+    const LoopShape shape(plant, {gains.Tf > 0 ? 1 / gains.Tf : 1});
+    if (loop.num.size() == loop.den.size() && !(std::abs(loop.num[0]) < 0.95 * loop.den[0])) {
+      if (std::abs(loop.num[0]) >= loop.den[0]) EXPECT_FALSE(shape.stable(gains)) << i;
+      continue;
+    }
+    const double right = roots_in_the_right_half(loop);
+    if (std::abs(right - std::round(right)) > 1e-3) continue;  // on the border
+    EXPECT_EQ(shape.stable(gains), std::round(right) == 0)
+        << i << ": " << right << ", " << gains << ", delay " << plant.delay << "\nnum "
+        << plant.num.transpose() << "\nden " << plant.den.transpose();
+    stable += std::round(right) == 0;
+    ++compared;
+  }
+  EXPECT_GT(compared, 150);
+  EXPECT_GT(stable, 40);
+  EXPECT_LT(stable, compared - 40);
+}
+
 // T of 1/(s (s + 2 zeta)) under P 1: Mt = 1/(2 zeta √(1 - zeta²)) at √(1 - 2 zeta²).
 TEST(LoopShape, FindsTheResonanceOfASecondOrderLoop) {
   for (const double zeta : {0.001, 0.05, 0.3, 0.6}) {
