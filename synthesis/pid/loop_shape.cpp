@@ -48,6 +48,8 @@ LoopShape::LoopShape(const ContinuousTransferFunction& plant, const std::vector<
   plant_.num = without_leading_zeros(plant.num);
   responses_.reserve(grid_.size());
   for (const double w : grid_) responses_.push_back(plant_({0, w}));
+  std::transform(responses_.begin(), responses_.end(), std::back_inserter(sizes_),
+                 [](const Complex& response) { return std::abs(response); });
 }
 
 double LoopShape::low_frequency_sign() const {
@@ -70,7 +72,7 @@ bool LoopShape::stable(const PidGains& gains) const {
   if (plant_.delay > 0) {
     std::vector<double> sizes(grid_.size());
     for (std::size_t k = 0; k < grid_.size(); ++k)
-      sizes[k] = std::abs(gains({0, grid_[k]})) * std::abs(responses_[k]);
+      sizes[k] = std::sqrt(std::norm(gains({0, grid_[k]}))) * sizes_[k];
     return stable_with_delay(loop, grid_, sizes);
   }
   const Eigen::VectorXd closed = sum(loop.den, loop.num);

@@ -53,6 +53,7 @@ class LoopShape {
   ContinuousTransferFunction plant_;
   std::vector<double> grid_;                     ///< [rad/s]
   std::vector<std::complex<double>> responses_;  ///< plant responses on the grid
+  std::vector<double> sizes_;                    ///< their absolute values
 };
 
 }  // namespace quadtune::internal
