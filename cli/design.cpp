@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "arguments/flight_arguments.hpp"
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -12,6 +13,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
 #include "report/flights/flights.hpp"
 #include "report/gains/gains.hpp"
@@ -20,7 +22,7 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string file, directory;
+  std::string file, directory, to;
   bool force = false, has_seeds = false;
   std::uint64_t seeds = kDesignSeeds;
 };
@@ -34,7 +36,10 @@ void require_sane(const Options& options) {
 }
 
 DesignOutcome designed_and_flown(const Options& options, const Context& context) {
-  DesignOutcome outcome = run_design(options.file);
+  DesignOutcome outcome =
+      options.to.empty() ? run_design(options.file) : option_of_command("design", [&] {
+        return run_design(options.file, internal::comma_separated(options.to));
+      });
   if (options.has_seeds && outcome.design.missions.empty())
     refuse("design", "--seeds", "--seeds came, but {} has no [[mission]] to fly",
            internal::printable(options.file));
@@ -92,6 +97,9 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("FILE", options.file,
                   "a design file (docs/formats.md), or a vehicle for its usual cascade");
   line.add_option("-o DIR", options.directory, "directory to write; without it, only print");
+  line.add_option("--to LIST", options.to,
+                  "for a vehicle: formats to export, such as json,px4; default json,c. The gains "
+                  "are designed for the firmware that is named");
   line.add_flag("--force", options.force,
                 "write although a flown loop is unstable or a mission failed, and take tuned "
                 "covariances whatever their verdict");

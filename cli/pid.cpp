@@ -253,6 +253,13 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
   line.add_option("--structure NAME", options.structure,
                   "with V: pid (default), or p-pi: a gain before a PI controller of the rate, as "
                   "in autopilots");
+  line.add_option("--for NAME", options.for_firmware,
+                  "with V: px4, ardupilot, betaflight or crazyflie: use the structure of this "
+                  "firmware, and bound its loops with its filters and delay as well");
+  line.add_option("--firmware VERSION", options.firmware.version,
+                  "with --for: version of the firmware; default: the newest known one");
+  line.add_option("--setup NAME", options.firmware.setup,
+                  "with --for crazyflie: standard (default), legacy, thrust-kit or brushless");
   line.add_number("--motor-lag S", options.motor_lag,
                   "with V: time constant of the motor lag [s]; default: that of the vehicle");
   line.add_number("--tracking-max M", options.tracking_max,

@@ -7,16 +7,19 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "quadtune/convention.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"
 #include "quadtune/workbench/design/lqi_report.hpp"
 #include "quadtune/workbench/design/standard_lqr.hpp"
 #include "quadtune/workbench/design/usual_design.hpp"
+#include "quadtune/workbench/firmware/firmware_gains.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_gains.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
@@ -156,29 +159,44 @@ void complete(MissionRequest& mission, const Design& design) {
 }
 
 /// Gains designed on the flown plant if this is the default and a solution exists.
-std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double dt) {
+std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double dt,
+                                                 const std::vector<Firmware>& firmwares) {
   if (!usually_on_flown_plant(vehicle)) return std::nullopt;
   FlownGainsOptions options;
   options.dt = dt;
   try {
-    return as_cascade(flown_gains(vehicle, options), dt);
+    return as_cascade(firmware_gains(vehicle, firmwares, options), dt);
   } catch (const NoSolution&) {
     return std::nullopt;
   }
 }
 
-/// Computes the gains of `cascade` as `quadtune pid V` does, with its period. Limits that are not
-/// set get the values of `fly V`.
+/// The firmwares for which a design exports parameters.
+std::vector<Firmware> firmwares_of(const Design& design) {
+  std::vector<Firmware> firmwares;
+  for (const ExportRequest& request : design.exports)
+    if (export_target(request.to, place_of(design)).is_firmware)
+      firmwares.push_back(firmware(firmware_kind(request.to, place_of(design)), request.firmware,
+                                   place_of(design)));
+  return firmwares;
+}
+
+/// Computes the gains of `cascade` as `quadtune pid V` does, with its period, so that the firmwares
+/// can fly them. Limits that are not set get the values of `fly V`.
 /// @return  whether the gains are for the flown plant; else the cascade has a specification
-bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
+bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade,
+                     const std::vector<Firmware>& firmwares) {
   (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
   CascadeController flown;
-  if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt)) {
+  if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt, firmwares)) {
     cascade.gains = std::move(*gains);
     flown.attitude_limit = kDesignedAttitudeLimit;
   } else {
     cascade.specification = usual_specification(vehicle);
     cascade.specification->dt = cascade.gains.dt;
+    for (const Firmware& target : firmwares)
+      if (structure_of(target.kind) == CascadeStructure::p_pi)
+        cascade.specification->structure = CascadeStructure::p_pi;
     cascade.method = cascade.specification->method;
   }
   if (std::isinf(cascade.attitude_limit)) cascade.attitude_limit = flown.attitude_limit;
@@ -207,7 +225,7 @@ CascadeDesign usual_cascade(const Vehicle& vehicle) {
   cascade.gains.dt = usual_specification(vehicle).dt;
   cascade.velocity_feed_forward = true;
   cascade.conditional_integration = true;
-  (void)design_as_usual(vehicle, cascade);
+  (void)design_as_usual(vehicle, cascade, {});
   return cascade;
 }
 
@@ -239,7 +257,8 @@ DesignOutcome solve_laws(Design design) {
   if (outcome.design.cascade) {
     CascadeDesign& cascade = *outcome.design.cascade;
     if (cascade.gains.loops.empty() && !cascade.specification)
-      outcome.cascade_for_flown_plant = design_as_usual(vehicle, cascade);
+      outcome.cascade_for_flown_plant =
+          design_as_usual(vehicle, cascade, firmwares_of(outcome.design));
     outcome.cascade = cascade.specification
                           ? design_cascade(vehicle, *cascade.specification, where)
                           : assess_written_cascade(vehicle, cascade.gains, cascade.method, where);
@@ -281,9 +300,14 @@ bool laws_hold(const DesignOutcome& outcome) {
                      [](const FlownLaw& law) { return law.holds(); });
 }
 
-DesignOutcome run_design(const std::filesystem::path& file) {
+DesignOutcome run_design(const std::filesystem::path& file, const std::vector<std::string>& to) {
   const std::string word = file.string();
-  return run_design(names_vehicle(word) ? usual_design(word) : load_design(file));
+  if (names_vehicle(word)) return run_design(usual_design(word, to));
+  if (!to.empty())
+    throw OptionError("to", fmt::format("to applies to a vehicle, expected [[export]] tables in {} "
+                                        "instead, because a design file lists its exports",
+                                        internal::printable(word)));
+  return run_design(load_design(file));
 }
 
 std::vector<std::string> unconfirmed_covariances(const Design& design) {

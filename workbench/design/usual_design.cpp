@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "quadtune/errors.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/workbench/files/file_kind.hpp"
 
 namespace quadtune {
@@ -22,19 +24,43 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+/// @return  `name`
+/// @throws OptionError  if no export of a cascade has this name, or it is in `all` twice
+const std::string& checked_export(const std::string& name, const std::vector<std::string>& all) {
+  const auto refuse = [&](const std::string& why) {
+    throw OptionError("to", fmt::format("to: {}", why));
+  };
+  try {
+    if (export_target(name, "").needs_gains)
+      refuse(
+          fmt::format("'{}' holds the gains of a state feedback, expected json, c or a "
+                      "firmware, because the design of a vehicle is a cascade",
+                      name));
+  } catch (const OptionError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    refuse(error.what());
+  }
+  if (std::count(all.begin(), all.end(), name) > 1)
+    refuse(fmt::format("'{}' is requested twice, expected once", name));
+  return name;
+}
+
 }  // namespace
 
-Design usual_design(const std::string& vehicle) {
+Design usual_design(const std::string& vehicle, const std::vector<std::string>& to) {
   const std::string name = load_vehicle(vehicle).name;
+  std::string exports;
+  for (const std::string& one : to.empty() ? std::vector<std::string>{"json", "c"} : to)
+    exports += "\n[[export]]\nto = " + quoted(checked_export(one, to)) + "\n";
   const std::filesystem::path path = vehicle;
   return parse_design(
       fmt::format("name = \"{}-flight\"\n"
                   "description = \"PID cascade of {}, designed on the plant that flies\"\n"
                   "vehicle = {}\n\n[cascade]\ndt_s = 0.005\n\n[cascade.design]\n\n"
                   "[[mission]]\nname = \"hover\"\n\n[[mission]]\nname = \"step-north\"\n\n"
-                  "[[mission]]\nname = \"take-off-and-land\"\n\n"
-                  "[[export]]\nto = \"json\"\n\n[[export]]\nto = \"c\"\n",
-                  name, name, quoted(path.filename().string())),
+                  "[[mission]]\nname = \"take-off-and-land\"\n{}",
+                  name, name, quoted(path.filename().string()), exports),
       "the usual design of " + vehicle, path.parent_path());
 }
 

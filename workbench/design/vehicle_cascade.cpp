@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <utility>
+#include <vector>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/firmware/firmware_gains.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
@@ -59,13 +61,43 @@ bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicl
   return true;
 }
 
+/// The firmware for which the cascade is designed, if any.
+std::vector<Firmware> firmware_of(const CascadeOptions& options) {
+  const FirmwareOptions& details = options.firmware;
+  if (!options.for_firmware) {
+    for (const auto& [key, value] :
+         {std::pair{"firmware", details.version}, std::pair{"setup", details.setup}})
+      if (!value.empty())
+        throw OptionError(key,
+                          fmt::format("{} is given without a firmware, expected --for as well", key));
+    return {};
+  }
+  const auto as_option = [](const char* key, const auto& read) {
+    try {
+      return read();
+    } catch (const InvalidInput& error) {
+      throw OptionError(key, error.what());
+    }
+  };
+  const FirmwareKind kind =
+      as_option("for", [&] { return firmware_kind(*options.for_firmware, "for"); });
+  if (options.structure.value_or("p-pi") == "pid" && structure_of(kind) == CascadeStructure::p_pi)
+    throw OptionError("structure",
+                      fmt::format("structure is 'pid', expected p-pi, because {} flies a gain "
+                                  "before a PI controller of the rate",
+                                  to_string(kind)));
+  return {as_option(details.setup.empty() ? "firmware" : "setup", [&] {
+    return firmware(kind, details, details.setup.empty() ? "firmware" : "setup");
+  })};
+}
+
 FlownGains cascade_on_flown_plant(const Vehicle& vehicle, const CascadeSpecification& specification,
-                                  bool asked_for_dt) {
+                                  const std::vector<Firmware>& firmwares, bool asked_for_dt) {
   FlownGainsOptions options;
   options.dt = specification.dt;
   options.structure = specification.structure;
   try {
-    return flown_gains(vehicle, options);
+    return firmware_gains(vehicle, firmwares, options);
   } catch (const OptionError&) {
     throw;
   } catch (const InvalidInput& error) {
@@ -98,8 +130,14 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
   VehicleCascade result;
   result.ideal = !on_flown_plant && asks_for_ideal_plant(options);
   if (result.ideal) specification.lag = 0;
+  const std::vector<Firmware> firmwares = firmware_of(options);
+  if (!firmwares.empty() && !on_flown_plant)
+    throw OptionError("for",
+                      "for requires the flown plant, expected --method flown, because the "
+                      "loop-by-loop rules have no filters");
   if (on_flown_plant) {
-    result.flown = cascade_on_flown_plant(vehicle, specification, options.dt.has_value());
+    result.flown =
+        cascade_on_flown_plant(vehicle, specification, firmwares, options.dt.has_value());
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
                                            specification.method, where);
   } else {

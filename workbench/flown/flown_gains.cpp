@@ -136,7 +136,7 @@ double disk_of(const FlownAxisGains& axis, const std::vector<FlownFamilyMember>&
 /// Searches from `start`, after slowing it until it is stable.
 FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFamilyMember>& family,
                            const AxisLaw& law, const AxisWeights& weights,
-                           const MarginBounds& asked) {
+                           const MarginBounds& asked, int max_searches = 3) {
   std::vector<FixedGainsMember> members;
   members.reserve(family.size());
   for (const FlownFamilyMember& member : family) members.push_back(member_of(member, law, weights));
@@ -149,8 +149,7 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   MarginBounds bounds = asked;
   // The search bounds the margins only on a grid and for the mean response of the plant. The next
   // search compensates the excess of the actual closed loop over the bounds.
-  constexpr int kMaxSearches = 3;
-  for (int i = 0; i < kMaxSearches; ++i) {
+  for (int i = 0; i < max_searches; ++i) {
     for (FixedGainsMember& member : members) member.bounds = bounds;
     result.search = fixed_gains(members, F, {.products = structure_bounds(law)});
     if (result.search.status == FixedGainsStatus::unstable_start) return result;
@@ -177,6 +176,38 @@ double load_of(const Vehicle& vehicle, FlownAxis axis) {
          static_cast<double>(vehicle.rotors.size());
 }
 
+std::size_t index_of(FlownAxis axis) {
+  return static_cast<std::size_t>(std::find(kFlownAxes.begin(), kFlownAxes.end(), axis) -
+                                  kFlownAxes.begin());
+}
+
+/// The bounds for one group of axes.
+MarginBounds bounds_of(const FlownGainsOptions& options, FlownAxis axis) {
+  MarginBounds bounds = options.bounds;
+  if (const std::optional<double> Ms = options.axis_Ms[index_of(axis)]) bounds.Ms = *Ms;
+  return bounds;
+}
+
+AxisLaw law_of(FlownAxis axis, const FlownGainsOptions& options) {
+  AxisLaw law;
+  law.axis = axis;
+  law.now = options.now;
+  law.structure = options.structure;
+  return law;
+}
+
+/// Adds an integral to the tilt loop, in proportion to the gains of the law without it.
+void add_tilt_integral(AxisLaw& law, const FlownAxisGains& without) {
+  const double Kp = std::abs(without.F(2)), Kd = std::abs(without.F(3));
+  // Slower than the tilt loop, so that it costs little phase. The load in the cost is much smaller
+  // than that of the motor: the cost grows with its square, and a large load would make the
+  // position integrals so strong that steps overshoot.
+  const double integral_share = law.structure == CascadeStructure::p_pi ? 0.2 : 0.35;
+  constexpr double kCountedTilt = 0.03;  // [rad] steady tilt under the load without the integral
+  law.tilt_integral = integral_share * Kp / Kd;
+  law.load = kCountedTilt * Kp;
+}
+
 FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMember>& family,
                       FlownAxis axis, const AxisWeights& weights, const MatrixXd& regulator,
                       const FlownGainsOptions& options) {
@@ -185,24 +216,34 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   for (std::size_t j = 0; j < states.size(); ++j)
     start(static_cast<Index>(j)) = regulator(wrench_of(axis), states[j]);
   start(start.size() - 1) = regulator(wrench_of(axis), 12 + static_cast<Index>(axis));
-  AxisLaw law;
-  law.axis = axis;
-  law.now = options.now;
-  law.structure = options.structure;
-  FlownAxisGains result = search_from(start, family, law, weights, options.bounds);
+  AxisLaw law = law_of(axis, options);
+  const MarginBounds bounds = bounds_of(options, axis);
+  FlownAxisGains result = search_from(start, family, law, weights, bounds);
   const bool tilts = states.size() == 4;
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
-  const double Kp = std::abs(result.F(2)), Kd = std::abs(result.F(3));
-  if (load_of(vehicle, axis) <= kMaxLoadTilt * Kp) return result;
-  // Slower than the tilt loop, so that it costs little phase. The load in the cost is much smaller
-  // than that of the motor: the cost grows with its square, and a large load would make the
-  // position integrals so strong that steps overshoot.
-  const double integral_share = options.structure == CascadeStructure::p_pi ? 0.2 : 0.35;
-  constexpr double kCountedTilt = 0.03;  // [rad] steady tilt under the load without the integral
-  law.tilt_integral = integral_share * Kp / Kd;
-  law.load = kCountedTilt * Kp;
-  FlownAxisGains with = search_from(result.F, family, law, weights, options.bounds);
+  if (load_of(vehicle, axis) <= kMaxLoadTilt * std::abs(result.F(2))) return result;
+  add_tilt_integral(law, result);
+  FlownAxisGains with = search_from(result.F, family, law, weights, bounds);
   return with.search.status == FixedGainsStatus::unstable_start ? result : with;
+}
+
+/// Reports what the designer should know, e.g. a bound that is not met.
+void add_notes(FlownGains& gains, const Vehicle& vehicle, const FlownGainsOptions& options) {
+  gains.notes.clear();
+  if (const std::string why = why_no_estimator(vehicle); options.estimator.empty() && !why.empty())
+    gains.notes.push_back(why + "; the gains are designed for true states");
+  for (const FlownAxisGains& axis : gains.axes) {
+    // The last search may have had tighter bounds than these.
+    const MarginBounds& bounds = options.bounds;
+    const double Ms = Ms_of(axis, gains.family), disk = disk_of(axis, gains.family);
+    if (!(Ms <= bounds.Ms * kBoundSlack && disk * kBoundSlack >= bounds.disk))
+      gains.notes.push_back(
+          fmt::format("{}: Ms is {:.3f} and the disk margin {:.3f}, required are {} and {}",
+                      to_string(axis.axis), Ms, disk, bounds.Ms, bounds.disk));
+    else if (axis.search.status == FixedGainsStatus::no_convergence)
+      gains.notes.push_back(fmt::format("{}: {} ({})", to_string(axis.axis),
+                                        to_string(axis.search.status), axis.search.culprit));
+  }
 }
 
 }  // namespace
@@ -222,8 +263,6 @@ double FlownGains::disk() const {
 FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options) {
   FlownGains result;
   result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
-  if (const std::string why = why_no_estimator(vehicle); options.estimator.empty() && !why.empty())
-    result.notes.push_back(why + "; the gains are designed for true states");
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);
   result.axes.resize(kFlownAxes.size());
@@ -231,25 +270,31 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
     result.axes[i] = design(vehicle, result.family, kFlownAxes[i], weights[i], start, options);
   };
   internal::in_parallel(kFlownAxes.size(), internal::thread_count(0), [&] { return one; }, {});
-  for (const FlownAxisGains& axis : result.axes) {
+  for (const FlownAxisGains& axis : result.axes)
     if (axis.search.status == FixedGainsStatus::unstable_start)
       throw NoSolution(fmt::format("{}: {}: no gains were found that stabilize the flown loop "
                                    "{}",
                                    vehicle.name, to_string(axis.axis), axis.search.culprit),
                        vehicle.name);
-    // The last search may have had tighter bounds than the options.
-    const bool within = Ms_of(axis, result.family) <= options.bounds.Ms * kBoundSlack &&
-                        disk_of(axis, result.family) * kBoundSlack >= options.bounds.disk;
-    if (!within)
-      result.notes.push_back(
-          fmt::format("{}: Ms is {:.3f} and the disk margin {:.3f}, required are {} and {}",
-                      to_string(axis.axis), Ms_of(axis, result.family),
-                      disk_of(axis, result.family), options.bounds.Ms, options.bounds.disk));
-    else if (axis.search.status == FixedGainsStatus::no_convergence)
-      result.notes.push_back(fmt::format("{}: {} ({})", to_string(axis.axis),
-                                         to_string(axis.search.status), axis.search.culprit));
-  }
+  add_notes(result, vehicle, options);
   return result;
+}
+
+void redesign(FlownGains& gains, const std::vector<FlownAxis>& groups, const Vehicle& vehicle,
+              const FlownGainsOptions& options) {
+  const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
+  const auto one = [&](std::size_t i) {
+    const std::size_t k = index_of(groups[i]);
+    FlownAxisGains& axis = gains.axes[k];
+    AxisLaw law = law_of(groups[i], options);
+    if (axis.tilt_integral > 0) add_tilt_integral(law, axis);
+    law.tilt_integral = axis.tilt_integral;
+    FlownAxisGains again =
+        search_from(axis.F, gains.family, law, weights[k], bounds_of(options, groups[i]), 1);
+    if (again.search.status != FixedGainsStatus::unstable_start) axis = std::move(again);
+  };
+  internal::in_parallel(groups.size(), internal::thread_count(0), [&] { return one; }, {});
+  add_notes(gains, vehicle, options);
 }
 
 CascadeGains as_cascade(const FlownGains& gains, double dt) {

@@ -35,6 +35,7 @@
 #include "quadtune/workbench/design/vehicle_cascade.hpp"      // the PID cascade of a vehicle
 #include "quadtune/workbench/design/written_exports.hpp"      // the exports of a design
 #include "quadtune/workbench/files/file_kind.hpp"             // what a file is
+#include "quadtune/workbench/firmware/firmware_gains.hpp"  // gains within the margins of a firmware
 #include "quadtune/workbench/firmware/firmware_import.hpp"    // margins of a firmware's parameters
 #include "quadtune/workbench/firmware/firmware_law.hpp"       // a firmware's loops as a law
 #include "quadtune/workbench/flight/diagnosis.hpp"            // why a flight failed

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/firmware_options.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {
@@ -21,7 +22,11 @@ struct CascadeOptions {
   /// Sample period [s], > 0; none: that of the published gains, or kUsualPeriod.
   std::optional<double> dt = {};
 
-  std::optional<std::string> structure = {};  ///< "pid", "p-pi"; none: pid
+  std::optional<std::string> structure = {};  ///< "pid", "p-pi"; none: pid, or that of the firmware
+  /// "px4", "ardupilot", "betaflight" or "crazyflie": the gains must also satisfy the bounds in the
+  /// loops of this firmware (firmware_gains()); none: no firmware. Only on the flown plant.
+  std::optional<std::string> for_firmware = {};
+  FirmwareOptions firmware = {};  ///< version and set-up of that firmware
 
   // Options of the loops.
   std::optional<double> Ms_max = {};  ///< of every loop, > 1

@@ -135,8 +135,11 @@ struct DesignRequirements {
 
 /// The same for a design file, or for the usual_design() of a vehicle.
 /// @param file  a design file, a vehicle file or the name of a built-in vehicle
+/// @param to    as usual_design(); only for a vehicle
 /// @throws InvalidInput, FileError, NoSolution
-[[nodiscard]] DesignOutcome run_design(const std::filesystem::path& file);
+/// @throws OptionError  "to" if a format is unknown or `file` is a design file
+[[nodiscard]] DesignOutcome run_design(const std::filesystem::path& file,
+                                       const std::vector<std::string>& to = {});
 
 /// Covariances of the design that come from a tuning whose verdict is not pass, one sentence each:
 /// gains that depend on them should not be trusted without further checks.

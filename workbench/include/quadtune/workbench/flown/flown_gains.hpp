@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,8 @@ struct FlownGainsOptions {
   double dt = 0.005;    ///< control period [s], > 0
   double now = 0;       ///< as with_integrals(): 0 for a cascade, 1 for state feedback
   MarginBounds bounds;  ///< for the nominal members
+  /// In place of bounds.Ms for a group of axes, in the order of kFlownAxes; > 1, at most bounds.Ms.
+  std::array<std::optional<double>, kFlownAxes.size()> axis_Ms = {};
   /// Whether the tilt loops get an integral if a motor that is 10 % weaker would tilt the vehicle
   /// by more than kMaxLoadTilt.
   bool tilt_integral = true;
@@ -63,6 +66,12 @@ struct FlownGainsOptions {
 /// @throws InvalidInput, OptionError  as flown_family()
 /// @throws NoSolution    if no gains are found that stabilize every member
 [[nodiscard]] FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options = {});
+
+/// Designs some groups of axes again, from their present gains, e.g. with a smaller axis_Ms. The
+/// bounds are met less accurately than by flown_gains(): one search instead of up to three.
+/// @param options  as those of `gains` except for bounds and axis_Ms
+void redesign(FlownGains& gains, const std::vector<FlownAxis>& groups, const Vehicle& vehicle,
+              const FlownGainsOptions& options);
 
 /// The same gains as a cascade: x and y command pitch and roll.
 [[nodiscard]] CascadeGains as_cascade(const FlownGains& gains, double dt);

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/firmware/firmware_gains.hpp"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/design/usual_design.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+#include "source_folder.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StrEq;
+using ::testing::ThrowsMessage;
+
+Vehicle quad_450() { return load_vehicle(testing::source_folder() + "/vehicles/quad-450.toml"); }
+
+/// The largest Ms of roll and pitch in a firmware's loops, without and with the angle loop.
+double worst_Ms(const Firmware& target, const Vehicle& vehicle, const CascadeGains& cascade) {
+  double worst = 0;
+  for (const FirmwareTurn& turn :
+       firmware_turns(target, vehicle, firmware_parameters(target, vehicle, cascade).values)) {
+    EXPECT_TRUE(turn.whole.stable) << to_string(turn.gains.axis);
+    worst = std::max(worst, turn.whole.Ms);
+  }
+  return worst;
+}
+
+// Gains for the flown plant alone exceed the bound in both firmwares, whose filters and delays the
+// flown plant does not have. The other gains meet it in both, and in the flown loop.
+TEST(FirmwareGains, MeetTheBoundInTheFirmwaresLoops) {
+  const Vehicle vehicle = quad_450();
+  const std::vector<Firmware> firmwares = {firmware(FirmwareKind::px4, {}, "test"),
+                                           firmware(FirmwareKind::ardupilot, {}, "test")};
+  FlownGainsOptions options;
+  options.structure = CascadeStructure::p_pi;
+  const FlownGains plain = flown_gains(vehicle, options);
+  options.structure = CascadeStructure::pid;  // firmware_gains() chooses what the firmwares fly
+  const FlownGains both = firmware_gains(vehicle, firmwares, options);
+  for (const Firmware& target : firmwares) {
+    EXPECT_GT(worst_Ms(target, vehicle, as_cascade(plain, options.dt)), 2.1)
+        << to_string(target.kind);
+    EXPECT_LT(worst_Ms(target, vehicle, as_cascade(both, options.dt)), 2.041)
+        << to_string(target.kind);
+  }
+  EXPECT_LT(both.Ms(), 2.011);
+  EXPECT_GT(both.disk(), 0.497);
+  // The vertical axis was not designed again.
+  EXPECT_EQ(both.axes[2].F, plain.axes[2].F);
+}
+
+TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {
+  const Vehicle vehicle = load_vehicle("crazyflie");
+  const FlownGains plain = flown_gains(vehicle), same = firmware_gains(vehicle, {}, {});
+  ASSERT_EQ(plain.axes.size(), same.axes.size());
+  for (std::size_t k = 0; k < plain.axes.size(); ++k) EXPECT_EQ(plain.axes[k].F, same.axes[k].F);
+}
+
+TEST(FirmwareGains, StructureIsThatOfTheFirmware) {
+  EXPECT_EQ(structure_of(FirmwareKind::px4), CascadeStructure::p_pi);
+  EXPECT_EQ(structure_of(FirmwareKind::ardupilot), CascadeStructure::p_pi);
+  EXPECT_EQ(structure_of(FirmwareKind::betaflight), CascadeStructure::p_pi);
+  EXPECT_EQ(structure_of(FirmwareKind::crazyflie), CascadeStructure::pid);
+}
+
+TEST(UsualDesign, ExportsWhatIsAskedFor) {
+  const auto exports = [](const std::vector<std::string>& to) {
+    std::vector<std::string> names;
+    for (const ExportRequest& request : usual_design("crazyflie", to).exports)
+      names.push_back(request.to);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(exports({}), (Names{"json", "c"}));
+  EXPECT_EQ(exports({"px4", "json"}), (Names{"px4", "json"}));
+}
+
+TEST(UsualDesign, RefusesExportsThatDoNotExistOrHoldNoCascade) {
+  const std::map<std::string, std::vector<std::string>> refused = {
+      {"to: no export to 'px5', expected uquad, mambo, json, mat, c, px4, ardupilot, betaflight, "
+       "crazyflie",
+       {"json", "px5"}},
+      {"to: 'json' is requested twice, expected once", {"json", "c", "json"}},
+      {"to: 'uquad' holds the gains of a state feedback, expected json, c or a firmware, because "
+       "the design of a vehicle is a cascade",
+       {"uquad"}}};
+  for (const auto& entry : refused)
+    EXPECT_THAT([&] { (void)usual_design("crazyflie", entry.second); },
+                ThrowsMessage<OptionError>(StrEq(entry.first)));
+  const std::filesystem::path file = testing::source_folder() + "/designs/uquad-hover.toml";
+  EXPECT_THAT([&] { (void)run_design(file, {"json"}); },
+              ThrowsMessage<OptionError>(HasSubstr("because a design file lists its exports")));
+}
+
+TEST(VehicleCascade, RefusesFirmwareOptionsThatContradictEachOther) {
+  const auto refusal = [](const CascadeOptions& options) -> std::string {
+    try {
+      (void)vehicle_cascade(load_vehicle("crazyflie"), options, "test");
+    } catch (const OptionError& error) {
+      return error.option() + ": " + error.what();
+    }
+    return "accepted";
+  };
+  CascadeOptions options;
+  options.firmware.version = "1.16";
+  EXPECT_EQ(refusal(options),
+            "firmware: firmware is given without a firmware, expected --for as well");
+  options.for_firmware = "px5";
+  EXPECT_EQ(refusal(options),
+            "for: for: no firmware 'px5', expected px4, ardupilot, betaflight, crazyflie");
+  options.for_firmware = "px4";
+  options.firmware.version = "0.9";
+  EXPECT_THAT(refusal(options), HasSubstr("firmware: px4"));
+  options.firmware.version = "";
+  options.structure = "pid";
+  EXPECT_EQ(refusal(options),
+            "structure: structure is 'pid', expected p-pi, because px4 flies a gain before a PI "
+            "controller of the rate");
+  options.structure = {};
+  options.firmware.setup = "legacy";
+  EXPECT_THAT(refusal(options), HasSubstr("setup: set-up 'legacy' is not supported by px4"));
+  options.firmware.setup = "";
+  options.bandwidth = "20";
+  EXPECT_EQ(refusal(options),
+            "for: for requires the flown plant, expected --method flown, because the loop-by-loop "
+            "rules have no filters");
+}
+
+}  // namespace
+}  // namespace quadtune

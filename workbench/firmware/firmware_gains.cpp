@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/firmware/firmware_gains.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Ms up to this factor above its bound is accepted: the bound is met by iteration.
+constexpr double kSlack = 1.02;
+
+/// The group of axes whose gains include a rotation loop, as an index into kFlownAxes.
+std::size_t group_of(CascadeAxis axis) {
+  const FlownAxis flown = axis == CascadeAxis::pitch  ? FlownAxis::north
+                          : axis == CascadeAxis::roll ? FlownAxis::east
+                                                      : FlownAxis::yaw;
+  return static_cast<std::size_t>(std::find(kFlownAxes.begin(), kFlownAxes.end(), flown) -
+                                  kFlownAxes.begin());
+}
+
+/// Searches the bound on the Ms of the flown loop with which the firmware's loop meets a bound.
+class BoundSearch {
+ public:
+  BoundSearch() = default;
+  explicit BoundSearch(double bound) : target_(bound), asked_(bound) {}
+
+  /// The bound for the next design, smaller than that of the last one.
+  /// @param Ms  of the firmware's loop in the last design
+  double next(double Ms) {
+    // Ms - 1 is roughly proportional to the bandwidth; later, the last two designs tell more.
+    double next = 1 + (target_ - 1) / (Ms - 1) * (asked_ - 1);
+    if (last_Ms_ > Ms) next = asked_ + (target_ - Ms) * (asked_ - last_asked_) / (Ms - last_Ms_);
+    last_asked_ = asked_;
+    last_Ms_ = Ms;
+    const double from = asked_ - 1;
+    return asked_ = std::max(1.05, 1 + std::clamp(next - 1, 0.5 * from, 0.98 * from));
+  }
+
+ private:
+  double target_ = 0;
+  double asked_ = 0;
+  double last_asked_ = 0;
+  double last_Ms_ = 0;
+};
+
+/// The loop of a group with the largest Ms in any of the firmwares.
+struct WorstTurn {
+  double Ms = 0;
+  CascadeAxis axis = CascadeAxis::roll;
+  const Firmware* firmware = nullptr;
+};
+
+std::array<WorstTurn, kFlownAxes.size()> worst_turns(const Vehicle& vehicle,
+                                                     const std::vector<Firmware>& firmwares,
+                                                     const CascadeGains& cascade) {
+  constexpr double kUnstable = 100;
+  std::array<WorstTurn, kFlownAxes.size()> worst;
+  for (const Firmware& firmware : firmwares) {
+    const std::vector<Parameter> values = firmware_parameters(firmware, vehicle, cascade).values;
+    for (const FirmwareTurn& turn : firmware_turns(firmware, vehicle, values)) {
+      WorstTurn& group = worst[group_of(turn.gains.axis)];
+      const double Ms = turn.whole.stable ? turn.whole.Ms : kUnstable;
+      if (Ms > group.Ms) group = {Ms, turn.gains.axis, &firmware};
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+CascadeStructure structure_of(FirmwareKind kind) {
+  return kind == FirmwareKind::crazyflie ? CascadeStructure::pid : CascadeStructure::p_pi;
+}
+
+FlownGains firmware_gains(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
+                          FlownGainsOptions options) {
+  for (const Firmware& firmware : firmwares)
+    if (structure_of(firmware.kind) == CascadeStructure::p_pi)
+      options.structure = CascadeStructure::p_pi;
+  const double bound = options.bounds.Ms;
+  FlownGains gains = flown_gains(vehicle, options);
+  std::array<BoundSearch, kFlownAxes.size()> searches;
+  searches.fill(BoundSearch(bound));
+  constexpr int kMaxRedesigns = 8;
+  for (int i = 0;; ++i) {
+    const auto worst = worst_turns(vehicle, firmwares, as_cascade(gains, options.dt));
+    std::vector<FlownAxis> exceeding;
+    for (std::size_t k = 0; k < worst.size(); ++k) {
+      if (worst[k].Ms <= bound * kSlack) continue;
+      exceeding.push_back(kFlownAxes[k]);
+      options.axis_Ms[k] = searches[k].next(worst[k].Ms);
+      if (i == kMaxRedesigns)
+        gains.notes.push_back(
+            fmt::format("{}: Ms is {:.3f} with the filters and the delay of {} {}, required is {}",
+                        to_string(worst[k].axis), worst[k].Ms, to_string(worst[k].firmware->kind),
+                        worst[k].firmware->version, bound));
+    }
+    if (exceeding.empty() || i == kMaxRedesigns) return gains;
+    redesign(gains, exceeding, vehicle, options);
+  }
+}
+
+}  // namespace quadtune

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Gains for the flown plant that also satisfy the bounds in the rotation loops of a firmware.
+#pragma once
+
+#include <vector>
+
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/flown/flown_gains.hpp"
+
+namespace quadtune {
+
+/// The structure of the cascade that a firmware flies: pid for a Crazyflie, otherwise p_pi.
+[[nodiscard]] CascadeStructure structure_of(FirmwareKind kind);
+
+/// Computes flown_gains() whose roll, pitch and yaw loops also satisfy `options.bounds.Ms` as the
+/// firmwares fly them: with the firmware's filters at their defaults, its delay and the motor lag
+/// (firmware_turns()). A group that does not is designed again with a smaller bound, at most six
+/// times; what is still exceeded then is reported in the notes.
+/// @param firmwares  any number; the structure is p_pi if one of them needs it
+/// @throws InvalidInput, OptionError, NoSolution  as flown_gains()
+/// @throws InvalidInput  as firmware_parameters(), e.g. if a firmware cannot mix the rotors
+[[nodiscard]] FlownGains firmware_gains(const Vehicle& vehicle,
+                                        const std::vector<Firmware>& firmwares,
+                                        FlownGainsOptions options);
+
+}  // namespace quadtune
