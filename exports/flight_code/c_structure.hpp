@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "flight_code/parameters.hpp"
+#include "quadtune/errors.hpp"
 
 namespace quadtune::exports {
 
@@ -59,6 +60,13 @@ class Structure {
     std::string where;
     for (const std::string& part : path_)
       if (!part.empty()) where += part + ".";
+    // A gain may vanish; a variance of 0 would make the estimator trust a sensor completely.
+    if (path_.size() > 1 && path_[1] == "estimator" && !double_ && x != 0 &&
+        static_cast<float>(x) == 0)
+      throw InvalidInput(where + name,
+                         fmt::format("is {}, expected 0 or at least 1.2e-38 in magnitude because "
+                                     "the program computes in float; double precision holds it",
+                                     x));
     return c_number(x, double_, where + name);
   }
   /// Numbers in braces, wrapped at 100 columns.

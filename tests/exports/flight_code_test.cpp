@@ -11,6 +11,7 @@
 
 #include "exported_c.hpp"
 #include "flight_code/board_float.hpp"
+#include "flight_code/c_structure.hpp"
 #include "flight_code/flight_recording.hpp"
 #include "flight_code/parameters.hpp"
 #include "flight_code/source_text.hpp"
@@ -385,6 +386,25 @@ TEST(FlightCode, RefusesWhatIsNoProgram) {
     refusal([&](ExportContent& c) { c.flight_code.name = name; },
             "cannot be the prefix of a C program");
   refusal([](ExportContent& c) { c.gains->K(0, 0) = 1e39; }, "law.K: is 1e+39");
+}
+
+// In float, a variance of 1e-50 would be 0, and the estimator would trust the sensor completely.
+TEST(FlightCode, RefusesEstimatorNumbersThatVanishInFloat) {
+  const auto written = [](const char* part, bool double_precision, double x) {
+    exports::Structure c(double_precision, 0.005);
+    c.open("");
+    c.open(part);
+    c.numbers("gyro_variance", {1, x});
+    return c.text();
+  };
+  EXPECT_THAT([&] { (void)written("estimator", false, 1e-50); },
+              ThrowsMessage<InvalidInput>(
+                  "estimator.gyro_variance: is 1e-50, expected 0 or at least 1.2e-38 in magnitude "
+                  "because the program computes in float; double precision holds it"));
+  EXPECT_THAT(written("estimator", true, 1e-50), HasSubstr("{1.0, 1e-50}"));
+  EXPECT_THAT(written("estimator", false, 0), HasSubstr("{1.0f, 0.0f}"));
+  EXPECT_THAT(written("estimator", false, 1e-30), HasSubstr("{1.0f, 1e-30f}"));
+  EXPECT_THAT(written("law", false, 1e-50), HasSubstr("{1.0f, 0.0f}"));
 }
 
 TEST(FlightCode, WritesNumbersThatReadBackAsTheyAre) {
