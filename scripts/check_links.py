@@ -30,21 +30,26 @@ def prose_lines(path):
             yield number, line
 
 
+def slug(heading, found):
+    """The anchor that GitHub and GitLab make of a heading, added to those found before."""
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
+    base = anchor = re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", "-")
+    copies = 0
+    while anchor in found:
+        copies += 1
+        anchor = f"{base}-{copies}"
+    found.add(anchor)
+    return anchor
+
+
 def anchors(path):
-    """The anchors that GitHub and GitLab make of a file's headings."""
+    """The anchors of a file's headings, and those written as HTML."""
     found = set()
     for _, line in prose_lines(path):
         found.update(re.findall(r"<a\s+(?:id|name)=\"([^\"]+)\"", line))
         heading = HEADING.match(line)
-        if not heading:
-            continue
-        text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading.group(1))
-        slug = re.sub(r"[^\w\- ]", "", text.lower()).replace(" ", "-")
-        base, copies = slug, 0
-        while slug in found:
-            copies += 1
-            slug = f"{base}-{copies}"
-        found.add(slug)
+        if heading:
+            slug(heading.group(1), found)
     return found
 
 

@@ -27,19 +27,19 @@ struct PidLoop {
 
 /// All loops of one flight controller.
 struct CascadeGains {
-  std::vector<PidLoop> loops;
-  double dt = 0;  ///< sample period [s]
+  std::vector<PidLoop> loops;  ///< one for each loop that the controller has
+  double dt = 0;               ///< sample period [s]
 };
 
 /// Published gains with which a vehicle flies today.
 struct PublishedCascade {
   std::string source;  ///< where they were published
-  CascadeGains gains;
+  CascadeGains gains;  ///< the published gains
 };
 
 /// The loops of a multirotor's cascade. The loops x and y command the references of pitch and roll.
 enum class CascadeAxis { x, y, pitch, roll, yaw, altitude };
-inline constexpr std::size_t kCascadeAxes = 6;
+inline constexpr std::size_t kCascadeAxes = 6;  ///< number of values of CascadeAxis
 
 /// The order of every list by axis.
 inline constexpr std::array<CascadeAxis, kCascadeAxes> kAllCascadeAxes = {

@@ -36,7 +36,7 @@ struct Convention {
   Eigen::Matrix<double, 12, 12> from_ned;  ///< x = from_ned · x_ned, entries 0, ±1, orthogonal
   std::vector<Signal> wrench;              ///< 4 names of [thrust, torques]
   Eigen::Matrix4d wrench_from_ned;         ///< signed permutation of [T, τx, τy, τz]
-  SignLaw sign_law = SignLaw::set_point_minus_state;
+  SignLaw sign_law = SignLaw::set_point_minus_state;  ///< sign law of the program's gains
 };
 
 /// quadtune's own state: px py pz (world north-east-down [m]), roll pitch yaw [rad],
@@ -51,6 +51,9 @@ struct Convention {
 [[nodiscard]] const Convention& convention(const std::string& name, const std::string& where);
 
 /// Names and units of the inputs of `kind` for a vehicle of `rotors` rotors, e.g. w1 w2 w3 w4.
+/// @param convention    source of the names of the wrench
+/// @param kind          which inputs
+/// @param rotors        number of rotors, ≥ 1
 /// @param command_unit  unit of the motor command, used by InputKind::command.
 [[nodiscard]] std::vector<Signal> input_signals(const Convention& convention, InputKind kind,
                                                 int rotors, const std::string& command_unit);
@@ -61,10 +64,14 @@ struct Convention {
 
 /// "rotor-speed", "rotor-thrust", "wrench" or "command", and back.
 [[nodiscard]] std::string to_string(InputKind kind);
+
+/// The kind of a name.
 [[nodiscard]] InputKind input_kind(const std::string& name, const std::string& where);
 
 /// "set-point-minus-state" or "state-minus-set-point", and back.
 [[nodiscard]] std::string to_string(SignLaw law);
+
+/// The sign law of a name.
 [[nodiscard]] SignLaw sign_law(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

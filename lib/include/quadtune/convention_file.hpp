@@ -10,6 +10,7 @@
 
 namespace quadtune {
 
+/// @param text    content of the file
 /// @param origin  the file's name in messages
 /// @throws InvalidInput  "origin:line: …" unless the states and the wrench are signed permutations
 ///                       of those of ned_convention() and all names are unique
@@ -25,6 +26,8 @@ const Convention& add_convention(const Convention& convention, const std::string
 
 /// The convention of a user's word: a registered name, or the path of a convention file ending in
 /// ".toml", which is read and registered.
+/// @param word    a registered name, or a path that ends in ".toml"
+/// @param where   beginning of messages
 /// @param folder  base of a relative path; empty: the current folder
 /// @throws InvalidInput  as convention(), parse_convention() and add_convention()
 /// @throws FileError     if the file cannot be read

@@ -30,6 +30,8 @@ enum class LqrMethod {
 
 /// "continuous", "discrete" or "sampled", and back.
 [[nodiscard]] std::string to_string(LqrMethod method);
+
+/// The method of a name.
 [[nodiscard]] LqrMethod lqr_method(const std::string& name, const std::string& where);
 
 /// An LQR problem about the trim, in the states and inputs of a convention.
@@ -38,19 +40,19 @@ struct LqrDesign {
   InputKind input_kind = InputKind::rotor_speed;  ///< the quantity that the law commands
   std::vector<std::string> states;                ///< nx names of the convention
   std::vector<std::string> inputs;                ///< nu names
-  Eigen::MatrixXd Q;                   ///< (nx × nx) symmetric, in the order of `states`
-  Eigen::MatrixXd R;                   ///< (nu × nu) symmetric
-  std::vector<std::string> integrals;  ///< ni names of integrated states; may be empty
-  Eigen::MatrixXd Q_integral;          ///< (ni × ni) symmetric
-  LqrMethod method = LqrMethod::continuous;
+  Eigen::MatrixXd Q;                         ///< (nx × nx) symmetric, in the order of `states`
+  Eigen::MatrixXd R;                         ///< (nu × nu) symmetric
+  std::vector<std::string> integrals;        ///< ni names of integrated states; may be empty
+  Eigen::MatrixXd Q_integral;                ///< (ni × ni) symmetric
+  LqrMethod method = LqrMethod::continuous;  ///< which problem is solved
   double dt = 0;  ///< sample period of the law [s]; 0 only with LqrMethod::continuous
 };
 
 /// Convention and inputs of flight code that applies one matrix to the 12 states and one to the
 /// integrals.
 struct MatrixConvention {
-  std::string convention = "ned";
-  InputKind input_kind = InputKind::wrench;
+  std::string convention = "ned";            ///< name of a registered convention
+  InputKind input_kind = InputKind::wrench;  ///< quantities that the matrix commands
 };
 
 /// State feedback for the flown loop, in the 12 states and the wrench of ned_convention(): LQI
@@ -138,17 +140,18 @@ struct PublishedGains {
 
 /// A design file.
 struct Design {
-  std::string name;
-  std::string description;
-  Vehicle vehicle;
-  FlightCondition condition;
-  std::optional<LqrDesign> lqr;
-  std::optional<LqiDesign> lqi;  ///< set instead of lqr for lqr.plant = "flown"
-  std::vector<KalmanDesign> kalman;
-  std::optional<EstimatorDesign> estimator;
-  std::optional<CascadeDesign> cascade;
-  std::vector<MissionRequest> missions;
-  std::vector<ExportRequest> exports;
+  std::string name;                          ///< of the design
+  std::string description;                   ///< one line; may be empty
+  Vehicle vehicle;                           ///< for which gains are designed
+  FlightCondition condition;                 ///< the trim of the state feedback
+  std::optional<LqrDesign> lqr;              ///< state feedback; empty if the file requests none
+  std::optional<LqiDesign> lqi;              ///< set instead of lqr for lqr.plant = "flown"
+  std::vector<KalmanDesign> kalman;          ///< Kalman filters, e.g. "altitude" and "velocity"
+  std::optional<EstimatorDesign> estimator;  ///< tuned noise of the estimator; empty: its defaults
+  std::optional<CascadeDesign> cascade;      ///< PID cascade; empty if the file requests none
+  std::vector<MissionRequest> missions;      ///< flights that the design must pass
+  std::vector<ExportRequest> exports;        ///< exports that are written if the design passes
+  /// Gains that are compared with the computed ones; empty if there are none.
   std::optional<PublishedGains> published;
   std::filesystem::path file;  ///< the file that was read; empty if parsed from text
   std::string text;            ///< the bytes of that file, for the manifest's hash
@@ -166,6 +169,7 @@ struct Design {
 [[nodiscard]] Design load_design(const std::filesystem::path& path);
 
 /// Parses a design from the text of a file.
+/// @param text    content of the file
 /// @param origin  the file's name in messages.
 /// @param folder  base of a relative vehicle path.
 [[nodiscard]] Design parse_design(const std::string& text, const std::string& origin,

@@ -25,6 +25,7 @@ class InvalidInput : public std::invalid_argument {
  protected:
   /// Selects the constructor for a message that already contains its place.
   struct Whole {};
+  /// Uses the message without adding the place.
   InvalidInput(Whole, std::string where, const std::string& message)
       : std::invalid_argument(message), where_(std::move(where)), message_(message) {}
 
@@ -43,16 +44,19 @@ class OptionError : public InvalidInput {
   OptionError(std::string option, const std::string& message)
       : InvalidInput(Whole{}, std::move(option), message) {}
 
+  /// The key of the option, e.g. "estimator".
   [[nodiscard]] const std::string& option() const { return where(); }
 };
 
 /// No solution exists or none was found; the message names the cause.
 class NoSolution : public std::runtime_error {
  public:
-  /// @param where  the option, file or vehicle that requested it, for scripts.
+  /// @param message  the cause, in one line
+  /// @param where    the option, file or vehicle that requested it, for scripts.
   NoSolution(const std::string& message, std::string where)
       : std::runtime_error(message), where_(std::move(where)) {}
 
+  /// The option, file or vehicle that requested the solution.
   [[nodiscard]] const std::string& where() const { return where_; }
 
  private:
@@ -62,10 +66,11 @@ class NoSolution : public std::runtime_error {
 /// A file that could not be read or written, with the operating system's reason.
 class FileError : public std::runtime_error {
  public:
+  /// what() is "path: message".
   FileError(const std::string& path, const std::string& message)
       : std::runtime_error(path + ": " + message), path_(path), message_(message) {}
 
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& path() const { return path_; }  ///< the file
   /// @return  what() without the path.
   [[nodiscard]] const std::string& message() const { return message_; }
 

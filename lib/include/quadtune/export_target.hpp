@@ -9,7 +9,7 @@ namespace quadtune {
 
 /// A flight code or a file format for which files are exported.
 struct ExportTarget {
-  std::string name;
+  std::string name;  ///< as a design file and `export --to` name it
   /// Whether its files can hold past commands and motor lags; other targets hold a matrix only.
   bool takes_memory = false;
   bool needs_gains = false;  ///< whether an export requires state-feedback gains

@@ -18,7 +18,7 @@ enum class FlightKind {
 
 /// A steady flight, independent of any convention (yaw from north, clockwise seen from above).
 struct FlightCondition {
-  FlightKind kind = FlightKind::hover;
+  FlightKind kind = FlightKind::hover;  ///< which steady flight
   /// Heading of the body's x axis [rad]; in a circle, at the linearized instant.
   double yaw = 0;
   double speed = 0;   ///< horizontal ground speed along the heading [m/s], ≥ 0; line and circle

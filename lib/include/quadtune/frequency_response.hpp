@@ -16,7 +16,7 @@ class FrequencyResponse {
  public:
   /// @throws InvalidInput  as validate()
   explicit FrequencyResponse(const ContinuousLti& plant);
-  explicit FrequencyResponse(const DiscreteLti& plant);
+  explicit FrequencyResponse(const DiscreteLti& plant);  ///< the same for a sampled plant
   ~FrequencyResponse();
   FrequencyResponse(FrequencyResponse&&) noexcept;
   FrequencyResponse& operator=(FrequencyResponse&&) noexcept;

@@ -35,7 +35,7 @@ enum class ScheduleQuantity {
 
 /// One axis of the grid.
 struct ScheduleAxis {
-  ScheduleQuantity quantity = ScheduleQuantity::speed;
+  ScheduleQuantity quantity = ScheduleQuantity::speed;  ///< what varies along the axis
   std::vector<double> values;  ///< at least one, ascending, within the quantity's range
 
   friend bool operator==(const ScheduleAxis&, const ScheduleAxis&) = default;
@@ -67,6 +67,8 @@ enum class PointStatus {
 
 /// "solved", "no trim" or "no gain", and back.
 [[nodiscard]] std::string to_string(PointStatus status);
+
+/// The status of a name.
 [[nodiscard]] PointStatus point_status(const std::string& name, const std::string& where);
 
 /// The outcome of a lookup in the schedule.
@@ -78,7 +80,7 @@ enum class LookupStatus {
 
 /// Gains interpolated between grid points, or the reason why there are none.
 struct ScheduledGain {
-  LookupStatus status = LookupStatus::outside;
+  LookupStatus status = LookupStatus::outside;  ///< found, or why there are no gains
   Eigen::MatrixXd K;      ///< (nu × nx); empty unless found, like all matrices here
   Eigen::MatrixXd K_int;  ///< (nu × ni)
   Eigen::VectorXd x0;     ///< (nx) trim of the states
@@ -86,25 +88,26 @@ struct ScheduledGain {
   /// The axis and its range, or the grid point and its reason; empty if found.
   std::string culprit;
 
+  /// Whether there are gains.
   [[nodiscard]] bool found() const { return status == LookupStatus::found; }
 };
 
 /// Gains and trims over a grid. The gains of each point are applied as described at Gains.
 struct GainSchedule {
-  std::vector<ScheduleAxis> axes;  ///< at least one; the last varies fastest
-  std::vector<Signal> states;      ///< nx
-  std::vector<Signal> inputs;      ///< nu
-  std::vector<Signal> integrals;   ///< ni, as in Gains
-  std::string vehicle;             ///< name of the vehicle
-  std::string convention;          ///< name of the convention
-  InputKind input_kind = InputKind::rotor_speed;
-  SignLaw sign_law = SignLaw::set_point_minus_state;
+  std::vector<ScheduleAxis> axes;                     ///< at least one; the last varies fastest
+  std::vector<Signal> states;                         ///< nx
+  std::vector<Signal> inputs;                         ///< nu
+  std::vector<Signal> integrals;                      ///< ni, as in Gains
+  std::string vehicle;                                ///< name of the vehicle
+  std::string convention;                             ///< name of the convention
+  InputKind input_kind = InputKind::rotor_speed;      ///< quantities that the law commands
+  SignLaw sign_law = SignLaw::set_point_minus_state;  ///< sign law of the gains
   double dt = 0;   ///< sample period of the law [s]; 0 means continuous
   double yaw = 0;  ///< heading at the linearized instant [rad]
 
   // One entry or one column per grid point; a column stores its matrix in column-major order. NaN
   // unless solved.
-  std::vector<PointStatus> status;
+  std::vector<PointStatus> status;   ///< one for each grid point
   std::vector<std::string> culprit;  ///< empty if solved
   Eigen::MatrixXd K;                 ///< (nu·nx × points)
   Eigen::MatrixXd K_int;             ///< (nu·ni × points)
@@ -112,8 +115,10 @@ struct GainSchedule {
   Eigen::MatrixXd u0;                ///< (nu × points)
   Eigen::VectorXd residual;          ///< of the Riccati equation, RiccatiResult::residual
 
+  /// Number of grid points.
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(status.size()); }
-  [[nodiscard]] Eigen::Index solved_count() const;
+  [[nodiscard]] Eigen::Index solved_count() const;  ///< number of grid points that have gains
+  /// Whether a grid point has gains.
   [[nodiscard]] bool solved(Eigen::Index point) const {
     return status[static_cast<std::size_t>(point)] == PointStatus::solved;
   }

@@ -13,8 +13,9 @@
 
 namespace quadtune {
 
-/// Maximum lag of an actuator [s], and maximum number of past commands that a law feeds back.
+/// Maximum lag of an actuator [s].
 inline constexpr double kMaxActuatorLag = 1;
+/// Maximum number of past commands that a law feeds back.
 inline constexpr int kMaxPastCommands = 40;
 
 /// Feedback of a law's own past commands, for actuators that follow the commands with a delay.
@@ -49,6 +50,8 @@ enum class PositionAxes {
 };
 /// "world", "heading", and back.
 [[nodiscard]] std::string to_string(PositionAxes axes);
+
+/// The axes of a name.
 [[nodiscard]] PositionAxes position_axes(const std::string& name, const std::string& where);
 
 /// u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) for SignLaw::set_point_minus_state.
@@ -65,12 +68,12 @@ struct Gains {
   Eigen::VectorXd u0;             ///< (nu) trim input
   std::string vehicle;            ///< name of the vehicle
   std::string convention;         ///< name of the convention
-  InputKind input_kind = InputKind::rotor_speed;
-  SignLaw sign_law = SignLaw::set_point_minus_state;
+  InputKind input_kind = InputKind::rotor_speed;      ///< quantities that the law commands
+  SignLaw sign_law = SignLaw::set_point_minus_state;  ///< sign law of K and K_int
   double dt = 0;                             ///< sample period of the law [s]; 0 means continuous
   std::optional<CommandMemory> memory = {};  ///< only with dt > 0
-  PositionAxes axes = PositionAxes::world;
-  FeedbackLimits limits = {};
+  PositionAxes axes = PositionAxes::world;   ///< axes of the horizontal position errors
+  FeedbackLimits limits = {};                ///< of the position error and of the integrals
 };
 
 /// Validates shapes and that all entries are finite.
@@ -86,6 +89,7 @@ void validate(const Gains& gains, const std::string& where);
 /// negative feedback is the closed loop.
 ///
 /// @param plant  sampled, with the states of the gains in any order, and the inputs of the gains
+/// @param gains  with dt > 0
 /// @return       nx + ni states: the states of the gains, their integrals, then the states of the
 ///               memory if the gains have one; nu inputs and outputs
 /// @throws InvalidInput  if the plant's states or inputs are not those of the gains

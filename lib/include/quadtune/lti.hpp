@@ -43,6 +43,8 @@ struct DiscreteLti {
 /// Validates shapes and that all entries are finite.
 /// @throws InvalidInput  with the matrix, its shape and the expected shape.
 void validate(const ContinuousLti& plant, const std::string& where);
+
+/// The same for a discrete model; dt must be positive and finite.
 void validate(const DiscreteLti& plant, const std::string& where);
 
 /// The names of the signals separated by blanks, for messages: "x y z".

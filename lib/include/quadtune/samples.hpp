@@ -24,60 +24,74 @@ namespace internal {
 void free_samples(void* block, std::size_t bytes) noexcept;
 }  // namespace internal
 
+/// Allocator of samples: blocks of kMinSpooled bytes or more are memory-mapped.
 template <class T>
 struct SampleAllocator {
-  using value_type = T;
+  using value_type = T;  ///< as allocators require
 
   SampleAllocator() = default;
+  /// All allocators are alike.
   template <class Other>
   SampleAllocator(const SampleAllocator<Other>&) noexcept {}
 
+  /// Storage for `count` values; throws std::bad_alloc.
   [[nodiscard]] T* allocate(std::size_t count) {
     if (count > std::numeric_limits<std::size_t>::max() / sizeof(T))
       throw std::bad_array_new_length();
     return static_cast<T*>(internal::allocate_samples(count * sizeof(T)));
   }
+  /// Frees what allocate() returned.
   void deallocate(T* block, std::size_t count) noexcept {
     internal::free_samples(block, count * sizeof(T));
   }
+  /// Any allocator can free the storage of another.
   template <class Other>
   bool operator==(const SampleAllocator<Other>&) const noexcept {
     return true;
   }
 };
 
+/// A vector of samples.
 template <class T>
 using SamplesOf = std::vector<T, SampleAllocator<T>>;
-using Samples = SamplesOf<double>;
+using Samples = SamplesOf<double>;  ///< a vector of numbers
 
 /// A matrix of samples, one per column; usable as any Eigen matrix in expressions.
 template <class Scalar>
 class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> {
  public:
+  /// The matrix of Eigen that maps the storage.
   using Base = Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>>;
 
   SampleArray() : Base(nullptr, 0, 0) {}
   /// A matrix of zeros.
   SampleArray(Eigen::Index rows, Eigen::Index cols) : SampleArray() { resize(rows, cols); }
+  /// A copy of any matrix or expression.
   template <class Derived>
   SampleArray(const Eigen::EigenBase<Derived>& other) : SampleArray() {
     *this = other;
   }
   /// @param columns  the entries in column-major order, rows × cols numbers
+  /// @param rows     ≥ 0
+  /// @param cols     ≥ 0
   SampleArray(SamplesOf<Scalar> columns, Eigen::Index rows, Eigen::Index cols)
       : Base(nullptr, 0, 0), storage_(std::move(columns)) {
     map(rows, cols);
   }
+  /// A copy of the samples.
   SampleArray(const SampleArray& other) : Base(nullptr, 0, 0), storage_(other.storage_) {
     map(other.rows(), other.cols());
   }
+  /// Takes over the samples.
   SampleArray(SampleArray&& other) noexcept : SampleArray() { swap(other); }
   ~SampleArray() = default;
 
+  /// Receives the samples of `other`.
   SampleArray& operator=(SampleArray other) noexcept {
     swap(other);
     return *this;
   }
+  /// Receives a copy of any matrix or expression.
   template <class Derived>
   SampleArray& operator=(const Eigen::EigenBase<Derived>& other) {
     SampleArray result;
@@ -100,6 +114,7 @@ class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eige
     map(rows, cols);
   }
 
+  /// Exchanges sizes and samples.
   void swap(SampleArray& other) noexcept {
     const Eigen::Index rows = this->rows(), cols = this->cols();
     storage_.swap(other.storage_);
@@ -115,6 +130,6 @@ class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eige
   SamplesOf<Scalar> storage_;
 };
 
-using SampleMatrix = SampleArray<double>;
+using SampleMatrix = SampleArray<double>;  ///< a matrix of numbers
 
 }  // namespace quadtune

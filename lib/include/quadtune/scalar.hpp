@@ -15,8 +15,10 @@ namespace quadtune {
 /// The result type of a comparison: bool for a number, one bool per lane for a Pack.
 template <class T>
 struct MaskOfScalar {
-  using type = bool;
+  using type = bool;  ///< bool, or the masks of a Pack
 };
+
+/// The result type of a comparison of two T.
 template <class T>
 using MaskOf = typename MaskOfScalar<T>::type;
 
@@ -24,6 +26,8 @@ using MaskOf = typename MaskOfScalar<T>::type;
 [[nodiscard]] constexpr double select(bool mask, double a, double b) noexcept {
   return mask ? a : b;
 }
+
+/// The same for single precision.
 [[nodiscard]] constexpr float select(bool mask, float a, float b) noexcept { return mask ? a : b; }
 /// The same for masks.
 [[nodiscard]] constexpr bool select(bool mask, bool a, bool b) noexcept { return mask ? a : b; }
@@ -32,6 +36,8 @@ using MaskOf = typename MaskOfScalar<T>::type;
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr T min_of(T a, T b) noexcept { return a < b ? a : b; }
+
+/// The maximum of a and b.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr T max_of(T a, T b) noexcept { return a > b ? a : b; }
@@ -41,19 +47,28 @@ template <class T>
   return min_of(max_of(x, low), high);
 }
 
+/// Whether x is neither NaN nor infinite.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] inline bool is_finite(T x) noexcept { return std::isfinite(x); }
+
+/// |x|.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] inline T abs_of(T x) noexcept { return std::abs(x); }
 
 /// Whether the mask is true in any lane or in every lane. A number has one lane.
 [[nodiscard]] constexpr bool any(bool mask) noexcept { return mask; }
+
+/// Whether the mask is true in every lane.
 [[nodiscard]] constexpr bool all(bool mask) noexcept { return mask; }
 /// Lane by lane and, or and not for both kinds of mask; && and || do not work on a Pack's masks.
 [[nodiscard]] constexpr bool logical_and(bool a, bool b) noexcept { return a && b; }
+
+/// Whether a mask is true, lane by lane.
 [[nodiscard]] constexpr bool logical_or(bool a, bool b) noexcept { return a || b; }
+
+/// Whether the mask is false, lane by lane.
 [[nodiscard]] constexpr bool logical_not(bool a) noexcept { return !a; }
 
 /// Calls f(0), f(1) … f(N - 1), inlined, with constant indices: unlike a loop, this lets the
@@ -72,9 +87,13 @@ inline constexpr int kLanesOf = 1;
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr double lane(T x, int) noexcept { return static_cast<double>(x); }
+
+/// Writes the only lane of a number.
 template <class T>
 requires std::is_floating_point_v<T>
 constexpr void set_lane(T& x, int, double value) noexcept { x = static_cast<T>(value); }
+
+/// The only lane of a mask.
 [[nodiscard]] constexpr bool lane(bool mask, int) noexcept { return mask; }
 
 }  // namespace quadtune

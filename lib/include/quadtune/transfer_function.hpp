@@ -39,6 +39,8 @@ struct DiscreteTransferFunction {
 /// @throws InvalidInput  "where: num has degree 3, den 2, expected no more zeros than poles because
 ///                       …"
 void validate(const ContinuousTransferFunction& plant, const std::string& where);
+
+/// The same for a discrete transfer function; dt must be positive and finite.
 void validate(const DiscreteTransferFunction& plant, const std::string& where);
 
 /// The value of a polynomial with coefficients in descending powers, by Horner's rule.
@@ -73,6 +75,8 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where);
 /// matrix [A - λI, b; c, d].
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const ContinuousLti& plant, Eigen::Index output,
                                                   Eigen::Index input);
+
+/// The same for a discrete plant.
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const DiscreteLti& plant, Eigen::Index output,
                                                   Eigen::Index input);
 

@@ -50,6 +50,8 @@ struct SamplingError {
 /// and goes up, or down if the system is unstable there, by a sixteenth at a time. Infinite if no
 /// limit is found up to `longest` [s]; 0 if the system is unstable down to dt/1e4.
 /// @param sampled  returns the dynamics A for a period
+/// @param dt       start of the search [s], > 0
+/// @param longest  end of the search [s]
 [[nodiscard]] double stability_limit(const std::function<Eigen::MatrixXd(double)>& sampled,
                                      double dt, double longest);
 

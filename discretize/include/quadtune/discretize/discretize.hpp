@@ -25,6 +25,8 @@ enum class DiscretizationMethod {
 /// "zoh", "foh", "impulse", "euler", "backward-euler", "tustin" or "matched", and back.
 /// @throws InvalidInput  with the unknown name, the known methods and the nearest of them.
 [[nodiscard]] std::string to_string(DiscretizationMethod method);
+
+/// The method of a name.
 [[nodiscard]] DiscretizationMethod discretization_method(const std::string& name,
                                                          const std::string& where);
 
@@ -34,8 +36,10 @@ struct DiscretizationOptions {
   ChannelDelays delays;           ///< fractions of a sample with zoh only
 };
 
-/// @param plant  A (nx × nx), B (nx × nu); time in seconds.
-/// @param dt     Sample period [s], 0 < dt < ∞.
+/// @param plant    A (nx × nx), B (nx × nu); time in seconds.
+/// @param dt       Sample period [s], 0 < dt < ∞.
+/// @param method   how the plant is sampled
+/// @param options  prewarping and channel delays
 /// @throws InvalidInput  as the function of the method and with_delays(), and for prewarping with a
 ///                       method other than tustin.
 [[nodiscard]] DiscreteLti discretize(const ContinuousLti& plant, double dt,
@@ -45,6 +49,9 @@ struct DiscretizationOptions {
 /// The same for a transfer function. Whole samples of its delay become the delay of the result; a
 /// fraction, with zoh only, becomes a pole at 0 and a zero.
 ///
+/// @param plant    proper; time in seconds, delay [s] ≥ 0
+/// @param dt       Sample period [s], 0 < dt < ∞.
+/// @param method   how the plant is sampled
 /// @param options  without channel delays: the plant has its own delay
 /// @return         den is monic; its roots are the images of the plant's poles under the method.
 /// @throws InvalidInput  likewise.

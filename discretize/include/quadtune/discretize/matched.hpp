@@ -28,6 +28,7 @@ namespace quadtune {
 /// The same for a state-space model, from its poles and transmission zeros.
 ///
 /// @param plant  A (nx × nx), B (nx × 1), C (1 × nx); time in seconds.
+/// @param dt     Sample period [s], 0 < dt < ∞.
 /// @return       First- and second-order sections in series, nx states without names; input and
 ///               output keep their names.
 /// @throws InvalidInput  likewise, or if there is more than one input or output.

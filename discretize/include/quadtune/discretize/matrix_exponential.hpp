@@ -16,9 +16,11 @@ enum class ExponentialStatus {
 
 /// The exponential, or the reason why there is none.
 struct ExponentialResult {
+  /// Solved, or the reason why there is no E.
   ExponentialStatus status = ExponentialStatus::not_run;
   Eigen::MatrixXd E;  ///< (n × n) e^A; all NaN unless solved
 
+  /// Whether E is the exponential.
   [[nodiscard]] bool solved() const { return status == ExponentialStatus::solved; }
 };
 

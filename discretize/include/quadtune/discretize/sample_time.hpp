@@ -27,7 +27,11 @@ inline constexpr double kLongPeriod = 0.5;
 /// Source: Åström and Wittenmark 1997, chapter 2 (choice of the sampling rate).
 [[nodiscard]] std::vector<std::string> sample_time_warnings(const Eigen::VectorXcd& poles,
                                                             double dt);
+
+/// The same for the poles of a state-space model.
 [[nodiscard]] std::vector<std::string> sample_time_warnings(const ContinuousLti& plant, double dt);
+
+/// The same for the poles of a transfer function.
 [[nodiscard]] std::vector<std::string> sample_time_warnings(const ContinuousTransferFunction& plant,
                                                             double dt);
 

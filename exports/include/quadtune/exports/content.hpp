@@ -29,15 +29,17 @@ namespace quadtune {
 struct ExportEvidence {
   std::string method;  ///< e.g. "sampled-data LQR"
   std::string status;  ///< e.g. "solved"
+  /// Relative residual of the solved equation.
   double residual = std::numeric_limits<double>::quiet_NaN();
+  /// Reciprocal condition number of the equation.
   double rcond = std::numeric_limits<double>::quiet_NaN();
-  int iterations = 0;
+  int iterations = 0;      ///< iterations of the solver
   Eigen::VectorXcd poles;  ///< poles of the design, as reported by the solver
 };
 
 /// Everything that is written to the files and the manifest.
 struct ExportContent {
-  Vehicle vehicle;
+  Vehicle vehicle;             ///< for which the laws were designed
   std::optional<Gains> gains;  ///< in the convention of the target flight program
   Eigen::MatrixXd Q;           ///< weights of states, then integrals, ordered as in `gains`; or
                                ///< empty
@@ -49,19 +51,20 @@ struct ExportContent {
   /// them. The poles of its closed loop are written to the manifest likewise.
   std::optional<DiscreteLti> cascade_plant;
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
+  /// Diagonals of Q and R of the uquad's filter; empty: none are written.
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<ImuCalibrationFile> imu_calibration;  ///< for the uquad's sensors
-  bool uquad_constants = false;  ///< whether to write a header with the vehicle's constants
-  std::optional<CascadeDesign> cascade;
-  std::optional<GainSchedule> schedule;        ///< instead of laws; only flight code supports it
+  bool uquad_constants = false;          ///< whether to write a header with the vehicle's constants
+  std::optional<CascadeDesign> cascade;  ///< PID cascade; empty if there is none
+  std::optional<GainSchedule> schedule;  ///< instead of laws; only flight code supports it
   std::optional<StoredEstimator> estimator;    ///< with which the laws were evaluated
   FlightCodeOptions flight_code;               ///< for exports of flight code
   FirmwareOptions firmware;                    ///< for exports of firmware parameters
   std::optional<StoredParameters> parameters;  ///< of a board whose loops `cascade` represents
   std::vector<std::string> firmware_notes;     ///< changes that the parameters make to the cascade;
                                                ///< set by Exporter::fit
-  ExportEvidence evidence;
-  std::vector<std::string> forced;  ///< reasons for rejection that --force overrode
+  ExportEvidence evidence;                     ///< of `gains`
+  std::vector<std::string> forced;             ///< reasons for rejection that --force overrode
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   /// Further libraries: name, version.
   std::vector<std::pair<std::string, std::string>> versions;

@@ -24,7 +24,7 @@ struct DiffEntry {
 
 /// The differences between two sets of gains.
 struct GainsDiff {
-  double max_relative = 0;
+  double max_relative = 0;         ///< the maximum of DiffEntry::relative; 0 if all entries agree
   std::vector<DiffEntry> entries;  ///< entries that differ, sorted by decreasing relative
                                    ///< difference
 };

@@ -37,6 +37,7 @@ std::vector<ManifestFile> write_export(const std::filesystem::path& directory,
 /// torque curves are always included.
 [[nodiscard]] std::string vehicle_json_text(const Vehicle& vehicle);
 
+/// Name of the file of an export that holds gains_json_text()
 inline constexpr char kGainsJsonName[] = "gains.json";
 
 }  // namespace quadtune

@@ -11,8 +11,8 @@ namespace quadtune {
 
 /// One file in memory.
 struct FileContent {
-  std::string name;  ///< within the directory, without a slash, e.g. "K.txt"
-  std::string bytes;
+  std::string name;   ///< within the directory, without a slash, e.g. "K.txt"
+  std::string bytes;  ///< content of the file
 };
 
 /// Replaces `files` in `directory`, or leaves the directory unchanged.
@@ -24,6 +24,7 @@ struct FileContent {
 /// hashes reveal this state. A missing directory is created, and removed again on failure.
 /// Temporary files that a killed writer left, `.NAME.quadtune-tmp`, are removed at the end.
 ///
+/// @param directory    created if it is missing
 /// @param files        names without a slash, each at most once
 /// @param stale        names of files to delete; missing ones are ignored
 /// @param interrupted  called between the steps; the transaction is undone if it returns true; may

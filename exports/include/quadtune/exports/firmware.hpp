@@ -32,7 +32,9 @@ namespace quadtune {
 /// The propeller sets that scale the thrust of the firmware; empty except for the Crazyflie.
 [[nodiscard]] std::vector<std::string> firmware_setups(FirmwareKind kind);
 
-/// @param where  prefix of messages
+/// @param kind     of the firmware
+/// @param options  version and setup; empty words select the usual version and setup
+/// @param where    prefix of messages
 /// @throws InvalidInput  if the version is malformed or older than the oldest known one, or the
 ///                       setup does not exist
 [[nodiscard]] Firmware firmware(FirmwareKind kind, const FirmwareOptions& options,
@@ -43,14 +45,14 @@ namespace quadtune {
 
 /// Properties of one parameter according to the documentation of the firmware.
 struct ParameterFacts {
-  std::string name;
+  std::string name;           ///< as the firmware spells it
   double usual = 0;           ///< default
   std::optional<double> min;  ///< as published
   std::optional<double> max;  ///< as published
-  bool integer = false;
-  std::string unit;        ///< empty: dimensionless, or the unit of the loop
-  bool read_only = false;  ///< read but never written, because it belongs to the setup of the
-                           ///< vehicle
+  bool integer = false;       ///< whether the board stores an integer
+  std::string unit;           ///< empty: dimensionless, or the unit of the loop
+  bool read_only = false;     ///< read but never written, because it belongs to the setup of the
+                              ///< vehicle
 };
 
 /// The parameters of the control loops, in the order in which they are written.
@@ -59,6 +61,7 @@ struct ParameterFacts {
 /// Parameter values by name; parameters without a value have the firmware's default.
 class ParameterValues {
  public:
+  /// Values of parameters of the firmware; others have their defaults.
   ParameterValues(const Firmware& firmware, const std::vector<Parameter>& values);
 
   [[nodiscard]] bool has(std::string_view name) const;  ///< whether the firmware has it
@@ -79,8 +82,9 @@ struct ParameterFile {
 
 /// The text of the file. Numbers read back to the value that the board stores: a float or an
 /// integer.
-/// @param values  parameters of parameter_facts()
-/// @param header  comment lines, without comment characters
+/// @param firmware  that reads the file
+/// @param values    parameters of parameter_facts()
+/// @param header    comment lines, without comment characters
 [[nodiscard]] std::string parameter_text(const Firmware& firmware,
                                          const std::vector<Parameter>& values,
                                          const std::vector<std::string>& header);
@@ -101,6 +105,8 @@ struct FirmwareScale {
   double mass = 0;    ///< [kg]
 };
 
+/// @param firmware  whose mixer scales the outputs
+/// @param vehicle  valid
 /// @param values  those that change the scale, such as THR_MDL_FAC; the others have their defaults
 /// @throws InvalidInput  if this firmware cannot mix the vehicle: Betaflight and Crazyflie support
 ///                       four rotors in X; for ArduPilot, quadtune supports four rotors in X or
@@ -111,13 +117,15 @@ struct FirmwareScale {
 
 /// One loop of the firmware. Gains are positive if they damp.
 struct FirmwareLoop {
-  CascadeAxis axis = CascadeAxis::roll;
+  CascadeAxis axis = CascadeAxis::roll;  ///< the loop, by the quantity that it controls
   double scale = 0;             ///< torque, force or tilt per unit of the firmware's output
   double outer = 0;             ///< rate set point per error [1/s]
   double outer_integral = 0;    ///< [1/s²]
   double outer_derivative = 0;  ///< on the rate itself [1]
-  double P = 0, I = 0, D = 0;   ///< on the error of the rate [firmware output per SI unit]
-  bool flies = true;            ///< false: the firmware has no such loop; the pilot closes it
+  double P = 0,       ///< proportional, on the error of the rate [firmware output per SI unit]
+      I = 0,          ///< integral, likewise
+      D = 0;          ///< derivative, on the rate unless of_error
+  bool flies = true;  ///< false: the firmware has no such loop; the pilot closes it
 
   double forward = 0;     ///< on the set point of the rate that the outer loop computes
   bool of_error = false;  ///< D acts on the error of the rate, hence also on the outer gain
@@ -126,7 +134,9 @@ struct FirmwareLoop {
   [[nodiscard]] double Kp() const {
     return scale * (P * outer + I * (1 + outer_derivative) + forward * outer);
   }
+  /// Integral gain of a PidLoop, likewise.
   [[nodiscard]] double Ki() const { return scale * (I * outer + (P + forward) * outer_integral); }
+  /// Derivative gain of a PidLoop, likewise.
   [[nodiscard]] double Kd() const {
     return scale *
            (P * (1 + outer_derivative) + forward * outer_derivative + (of_error ? D * outer : 0));
@@ -134,11 +144,14 @@ struct FirmwareLoop {
   /// Gains that a cascade of PidLoops cannot represent: on the derivative of the rate, and on the
   /// double integral of the error.
   [[nodiscard]] double derivative() const { return scale * D; }
+  /// The gain on the double integral of the error.
   [[nodiscard]] double double_integral() const { return scale * I * outer_integral; }
 };
 
 /// The loops that result from the parameters on a vehicle, in the order of kAllCascadeAxes.
-/// @param values  missing parameters have their defaults
+/// @param firmware  of the parameters
+/// @param vehicle   valid
+/// @param values    missing parameters have their defaults
 /// @throws InvalidInput, NoSolution  as firmware_scale()
 [[nodiscard]] std::vector<FirmwareLoop> firmware_loops(const Firmware& firmware,
                                                        const Vehicle& vehicle,
@@ -154,6 +167,7 @@ struct FirmwareLoop {
 
 /// The parameters of a cascade.
 struct FirmwareParameters {
+  /// Values of the parameters that represent the cascade.
   std::vector<Parameter> values;
   /// Sentences about values that were rounded, shared, omitted or exceed the published range.
   std::vector<std::string> notes;
@@ -178,7 +192,8 @@ struct FirmwareParameters {
 
 /// The standard deviation that a filter parameter represents for a noise density [unit/√Hz]: the
 /// filter adds (σ dt)² in each prediction step of length dt.
-/// @param step  length of the prediction step [s]
+/// @param density  noise density [unit/√Hz]
+/// @param step     length of the prediction step [s]
 [[nodiscard]] double filter_noise(double density, double step);
 
 /// The noise parameters of the firmware's estimator that correspond to a general filter. If the

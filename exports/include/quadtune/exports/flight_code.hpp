@@ -38,6 +38,7 @@ inline constexpr char kFlightCodeTarget[] = "c";
 
 /// The files that hold the options and the schedule.
 inline constexpr char kFlightCodeName[] = "flight_code.json";
+/// Name of the file that holds the gain schedule.
 inline constexpr char kScheduleJsonName[] = "schedule.json";
 
 /// Whether the flight code in a directory is that of a gain schedule.

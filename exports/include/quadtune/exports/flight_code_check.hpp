@@ -33,7 +33,7 @@ enum class FlightCodeTarget {
 
 /// A flight in which the program replaces the library's law, estimator and control allocation.
 struct ProgramFlight {
-  FlightResult flight;
+  FlightResult flight;  ///< the flight as quadtune::fly() returns it
   /// Inputs and outputs of the program, one line per control period. Flights with equal text are
   /// equal bit by bit.
   std::string text;
@@ -52,6 +52,7 @@ class CompiledProgram {
   CompiledProgram& operator=(const CompiledProgram&) = delete;
 
   /// Flies a setup; its law, estimator and control allocation are not used.
+  /// @param setup        accepted by quadtune::fly()
   /// @param interrupted  as quadtune::fly()
   /// @throws InvalidInput  if the program ends early
   [[nodiscard]] ProgramFlight fly(const FlightSetup& setup,

@@ -37,6 +37,7 @@ struct ImuCalibrationFile {
 [[nodiscard]] std::string imu_calibration_text(const ImuCalibrationFile& calibration);
 
 /// Reads 36 or 45 numbers, separated by any white space, as the flight program scans them.
+/// @param text    content of the file
 /// @param origin  name of the file in messages
 /// @throws InvalidInput  "origin:line: …" for a word, a comma, a number that is not finite, a
 ///                       singular matrix or any other count; for a wrong count the line is that of

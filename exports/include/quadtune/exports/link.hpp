@@ -36,7 +36,8 @@ using LinkFrame = std::vector<std::uint8_t>;
 struct LinkArgument {
   std::string name;                     ///< e.g. "z"
   std::string unit;                     ///< of the value; empty for a word
-  double low = 0, high = 0;             ///< limits of the value [unit], inclusive
+  double low = 0,                       ///< minimum of the value [unit], inclusive
+      high = 0;                         ///< maximum of the value [unit], inclusive
   std::string why = {};                 ///< reason for the limits, a clause after "because"
   std::size_t bytes = 4;                ///< size of the integer: 1, 2 or 4
   double per_unit = 1;                  ///< [1/unit]
@@ -49,6 +50,7 @@ struct LinkEntry {
   std::string name;     ///< e.g. "takeoff"
   std::string summary;  ///< what the vehicle does
   std::uint32_t id;     ///< little-endian integer of 4 bytes in the frame
+  /// In the order of the frame; empty if the command has none.
   std::vector<LinkArgument> arguments = {};
   bool stops = false;     ///< whether it stops the motors or lands
   bool answered = true;   ///< whether the vehicle replies
@@ -64,8 +66,8 @@ struct LinkEntry {
 
 /// One command with its values.
 struct LinkCommand {
-  LinkFirmware firmware = LinkFirmware::simulink;
-  std::string name;            ///< of a LinkEntry
+  LinkFirmware firmware = LinkFirmware::simulink;  ///< firmware that receives the command
+  std::string name;                                ///< of a LinkEntry
   std::vector<double> values;  ///< one per argument, in its unit; the index for a word
   /// Native firmware: number of the frame, incremented with each frame.
   std::uint8_t sequence = 0;

@@ -18,10 +18,13 @@ enum class TableFormat { toml, json };
 [[nodiscard]] TableFormat table_format(const std::filesystem::path& file, const std::string& where);
 
 /// @param schedule  complete: every point has a status, and numbers or a culprit
+/// @param format    TOML or JSON
 /// @throws InvalidInput  if a number of a solved point is not finite
 [[nodiscard]] std::string schedule_text(const GainSchedule& schedule, TableFormat format);
 
+/// @param text    content of the file
 /// @param origin  name of the file in messages
+/// @param format  TOML or JSON
 /// @throws InvalidInput  "origin:line: …" (TOML) or "origin: json path: …" for unknown or missing
 ///                       keys, wrong shapes, points that are not those of the axes in their order,
 ///                       and numbers that are not finite

@@ -12,10 +12,12 @@
 
 namespace quadtune {
 
+/// An estimator and the numbers that differ from its defaults.
 struct StoredEstimator {
   /// "general", "mambo" or "uquad", as in `quadtune fly --estimator`. "truth" is not allowed: a
   /// file that named it would later hide that no state is estimated.
   std::string name;
+  /// Settings of the general filter; empty: those of the vehicle's sensors.
   std::optional<GeneralFilterSettings> general = {};
   /// Period, Q and R of the uquad's filter if they differ from uquad_filter_in_si(), e.g.
   /// covariances from logs. No other settings are stored.

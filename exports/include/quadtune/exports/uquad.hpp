@@ -51,8 +51,10 @@ struct UquadFileSet {
 /// Creates the gain files, lqr-Q.txt and lqr-R.txt if weights are given, and kalman-Q.txt and
 /// kalman-R.txt if the filter's diagonals are given.
 ///
+/// @param gains  in the convention uquad, with the states and integrals of a build
 /// @param Q  (nx + ni square) weights of states and integrals, in the gain's order; may be empty
 /// @param R  (4 × 4); may be empty
+/// @param filter  diagonals of Q and R of the filter; empty: no such files
 /// @throws InvalidInput  as uquad_file_set(), or if an entry is not finite
 [[nodiscard]] std::vector<FileContent> uquad_files(
     const Gains& gains, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
@@ -64,7 +66,8 @@ inline constexpr char kUquadConstantsName[] = "uquad_constants.h";
 /// A C header with the vehicle's constants for the model of the flight program: mass, inertia, arm,
 /// thrust and torque curves of a rotor, its speeds at hover and at the limits, and the period. The
 /// names are quadtune's.
-/// @param dt  sample period [s]
+/// @param vehicle  with four equal rotors
+/// @param dt       sample period [s]
 /// @throws InvalidInput  if the vehicle does not have four equal rotors, or a number is unknown
 [[nodiscard]] std::string uquad_constants_text(const Vehicle& vehicle, double dt);
 
@@ -77,6 +80,9 @@ inline constexpr char kUquadConstantsName[] = "uquad_constants.h";
 /// misread: too few or too many numbers, rows of another length, nan, infinity, words and decimal
 /// commas.
 ///
+/// @param text    content of the file
+/// @param rows    expected number of rows
+/// @param cols    expected number of columns
 /// @param origin  name of the file in messages
 /// @throws InvalidInput  "origin:line: what is wrong, what was expected, why"
 [[nodiscard]] Eigen::MatrixXd parse_uquad_matrix(const std::string& text, Eigen::Index rows,

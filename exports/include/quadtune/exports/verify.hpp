@@ -18,19 +18,19 @@ namespace quadtune {
 
 /// One check with its result.
 struct VerifyCheck {
-  std::string name;  ///< e.g. "files match the manifest"
-  bool ok = false;
+  std::string name;    ///< e.g. "files match the manifest"
+  bool ok = false;     ///< whether the check passes
   std::string detail;  ///< the finding, on one line
 };
 
 /// All checks of an export; it passes only if every check passes.
 struct VerifyReport {
-  std::vector<VerifyCheck> checks;
-  std::optional<Gains> gains;  ///< as read from the files; empty if they could not be read
+  std::vector<VerifyCheck> checks;  ///< in the order in which they were made
+  std::optional<Gains> gains;       ///< as read from the files; empty if they could not be read
   std::optional<CascadeDesign> cascade;  ///< likewise
   Eigen::VectorXcd poles;  ///< of the gains' closed loop; empty if it was not computed
 
-  [[nodiscard]] bool ok() const;
+  [[nodiscard]] bool ok() const;  ///< whether every check passes
 };
 
 /// The recomputed vehicle model with the states and inputs of an export's gains, at the trim of the
@@ -45,7 +45,7 @@ struct VerifyModel {
 struct InputAtHand {
   std::string name;   ///< without folder
   std::string where;  ///< path for messages; empty for a built-in file
-  std::string bytes;
+  std::string bytes;  ///< content of the file
 };
 
 /// Further data with which an export is compared.
@@ -62,8 +62,9 @@ struct VerifyFacts {
 /// accept the files, laws and weights are those of the manifest (including signals), the trim is
 /// that of `model`, each closed loop is stable under the law as written, and its poles are those of
 /// the manifest. Wrong files give failed checks, not exceptions.
-/// exceptions.
-/// @param model  for the gains of the manifest; without it, the checks of trim and loop fail
+/// @param directory  of the export
+/// @param model      for the gains of the manifest; without it, the checks of trim and loop fail
+/// @param facts      plant of the cascade and files at hand, with which the export is compared
 /// @throws FileError  if `directory` is not a directory
 [[nodiscard]] VerifyReport verify_export(const std::filesystem::path& directory,
                                          const std::optional<VerifyModel>& model,
@@ -78,7 +79,9 @@ struct VerifyFacts {
 
 /// Describes the first file of `expected` that differs from the file of the same name in
 /// `directory`, with the line; "" if all agree.
-/// @param source  origin of the expected files in the message "… differs from what SOURCE give"
+/// @param directory  of the export
+/// @param expected   files with names within the directory
+/// @param source     origin of the expected files in the message "… differs from what SOURCE give"
 /// @throws FileError, InvalidInput  if a file cannot be read
 [[nodiscard]] std::string file_difference(const std::filesystem::path& directory,
                                           const std::vector<FileContent>& expected,
@@ -95,12 +98,14 @@ inline constexpr double kPoleTolerance = 1e-7;
 /// Poles of the law with the plant. In each sample, an integral advances by dt times the error.
 ///
 /// @param plant  states and inputs named as in `gains`; states in any order
+/// @param gains  discrete, in any convention
 /// @return       (nx + ni) sorted by real, then imaginary part
 /// @throws InvalidInput  if a state is missing in the plant or the inputs differ
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant, const Gains& gains);
 
 /// The same for a cascade with all its loops closed.
-/// @param plant  as VerifyFacts::cascade_plant
+/// @param plant    as VerifyFacts::cascade_plant
+/// @param cascade  with dt > 0
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant,
                                                  const CascadeDesign& cascade);
 

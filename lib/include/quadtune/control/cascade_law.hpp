@@ -26,16 +26,22 @@ inline constexpr int kCascadeSetPoints = 4;
 
 /// The loop transfer cut at the plant's inputs, for negative feedback, with set points of 0.
 /// @param plant  outputs: the law's inputs after `set_points`; inputs: the law's outputs; D = 0
+/// @param law    inputs: `set_points` set points, then the plant's outputs
+/// @param set_points  number of inputs of the law that are set points
 /// @return       states of the plant, then of the law
 /// @throws InvalidInput  if sizes disagree or the plant has direct feedthrough
 [[nodiscard]] DiscreteLti cut_at_inputs(const DiscreteLti& plant, const DiscreteLti& law,
                                         int set_points = kCascadeSetPoints);
+
+/// The same for continuous systems.
 [[nodiscard]] ContinuousLti cut_at_inputs(const ContinuousLti& plant, const ContinuousLti& law,
                                           int set_points = kCascadeSetPoints);
 
 /// The closed loop from the set points to the plant's outputs.
 [[nodiscard]] DiscreteLti closed_loop(const DiscreteLti& plant, const DiscreteLti& law,
                                       int set_points = kCascadeSetPoints);
+
+/// The same for continuous systems.
 [[nodiscard]] ContinuousLti closed_loop(const ContinuousLti& plant, const ContinuousLti& law,
                                         int set_points = kCascadeSetPoints);
 

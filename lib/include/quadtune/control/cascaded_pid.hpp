@@ -36,16 +36,21 @@ struct CascadedPidSettings {
 /// The state kept from one sample to the next.
 template <class T>
 struct CascadedPidState {
-  std::array<PidState<T>, kCascadeAxes> loops{};
-  T roll_reference = T(0);   ///< of the last sample [rad]
-  T pitch_reference = T(0);  ///< [rad]
+  std::array<PidState<T>, kCascadeAxes> loops{};  ///< state of each loop, by CascadeAxis
+  T roll_reference = T(0);                        ///< of the last sample [rad]
+  T pitch_reference = T(0);                       ///< [rad]
   /// Requested minus produced values of the last sample with conditional_integration; otherwise 0.
   Eigen::Matrix<T, 4, 1> wrench_excess = Eigen::Matrix<T, 4, 1>::Zero();    ///< [N, N m]
   Eigen::Matrix<T, 2, 1> attitude_excess = Eigen::Matrix<T, 2, 1>::Zero();  ///< x, y [rad]
 };
 
 /// The settings that fly a design on a vehicle.
-/// @param design  loops as in CascadeDesign; missing loops have zero gains
+/// @param vehicle           source of the weight and of the maximum thrust
+/// @param gains             loops as in CascadeDesign; missing loops have zero gains
+/// @param method            integration method of the integrals
+/// @param attitude_limit    of the references of roll and pitch [rad]
+/// @param integrator_limit  of the magnitude of each error integral [error · s]; infinite: none
+/// @param back_calculation  as PidSettings::back_calculation; ignored by loops without Ki
 /// @throws InvalidInput  as validate(PidSettings), with the name of the loop
 [[nodiscard]] CascadedPidSettings<double> cascaded_pid_settings(
     const Vehicle& vehicle, const CascadeGains& gains, PidMethod method, double attitude_limit,

@@ -18,6 +18,7 @@ struct GuardedIntegralSettings {
   Scalar integral_limit = 0;   ///< of |integral| [error · s], ≥ 0
 };
 
+/// The integral between two samples.
 template <class Scalar>
 struct GuardedIntegralState {
   Scalar integral = 0;  ///< ∫error [error · s]
@@ -46,6 +47,8 @@ static_assert(std::is_trivially_copyable_v<GuardedIntegralState<double>>);
 /// Checks that step() may use these settings: dt > 0 and finite, limits ≥ 0 (infinite: no limit).
 /// @throws InvalidInput  "where: error_limit is -1, expected 0 or more because …"
 void validate(const GuardedIntegralSettings<double>& settings, const std::string& where);
+
+/// The same for single precision.
 void validate(const GuardedIntegralSettings<float>& settings, const std::string& where);
 
 }  // namespace quadtune

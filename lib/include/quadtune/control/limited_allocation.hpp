@@ -47,7 +47,7 @@ inline constexpr double kMinCollective = 0.15;
 template <class T>
 struct LimitedWrench {
   Eigen::Matrix<T, 4, 1> wrench = Eigen::Matrix<T, 4, 1>::Zero();  ///< [T τx τy τz]
-  MaskOf<T> limited{};
+  MaskOf<T> limited{};  ///< whether the wrench differs from the request
 };
 
 /// The thrusts that an allocation assigns to a wrench, before limits [N].

@@ -25,6 +25,7 @@ enum class PidDerivative {
 /// Validated by validate(); step() does not check.
 template <class Scalar>
 struct PidSettings {
+  /// Default of the limits: none.
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   Scalar dt = 0;  ///< sample period [s], > 0
@@ -34,10 +35,10 @@ struct PidSettings {
   Scalar Tf = 0;  ///< time constant of the filtered derivative [s]
   Scalar b = 1;   ///< weight of the set point in the proportional part
   Scalar c = 0;   ///< weight of the set point in the derivative
-  PidMethod method = PidMethod::forward_euler;
-  PidDerivative derivative = PidDerivative::measured_rate;
-  Scalar output_min = Scalar(-kInfinity);    ///< [output]
-  Scalar output_max = Scalar(kInfinity);     ///< [output], ≥ output_min
+  PidMethod method = PidMethod::forward_euler;              ///< rule of the integral
+  PidDerivative derivative = PidDerivative::measured_rate;  ///< what the derivative acts on
+  Scalar output_min = Scalar(-kInfinity);                   ///< [output]
+  Scalar output_max = Scalar(kInfinity);                    ///< [output], ≥ output_min
   Scalar integral_min = Scalar(-kInfinity);  ///< of the integral part of the output [output]
   Scalar integral_max = Scalar(kInfinity);   ///< [output], ≥ integral_min
   /// Anti-windup gain [1/s], 0 … 1/dt; 0 disables it.
@@ -54,10 +55,11 @@ struct PidState {
   Scalar output = 0;      ///< the last output
 };
 
+/// The inputs of one sample.
 template <class Scalar>
 struct PidInput {
-  Scalar set_point = 0;
-  Scalar measurement = 0;
+  Scalar set_point = 0;     ///< desired value of the measurement
+  Scalar measurement = 0;   ///< measured value, in the unit of the set point
   Scalar rate = 0;          ///< of the measurement [1/s]; used with PidDerivative::measured_rate
   Scalar feed_forward = 0;  ///< added before the output is limited
   /// Requested minus produced part of the last output [output]. The integral does not grow in this
@@ -65,6 +67,7 @@ struct PidInput {
   Scalar excess = 0;
 };
 
+/// The result of one sample.
 template <class Scalar>
 struct PidOutput {
   Scalar value = 0;      ///< within output_min … output_max
@@ -76,17 +79,18 @@ struct PidOutput {
 /// d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
 template <class Scalar>
 struct PidDifference {
-  Scalar pole = 0;
-  Scalar gain = 0;
+  Scalar pole = 0;  ///< of the filter; 0: no memory
+  Scalar gain = 0;  ///< on the change of the input
 };
 
 /// I[k] = I[k-1] + Ki dt (now · error[k] + before · error[k-1]).
 template <class Scalar>
 struct PidQuadrature {
-  Scalar now = 0;
-  Scalar before = 0;
+  Scalar now = 0;     ///< weight of the present error
+  Scalar before = 0;  ///< weight of the previous error; both weights sum to 1
 };
 
+/// The weights of the integral's rule.
 template <class Scalar>
 [[nodiscard]] constexpr PidQuadrature<Scalar> pid_quadrature(PidMethod method) noexcept {
   switch (method) {
@@ -204,6 +208,8 @@ static_assert(std::is_trivially_copyable_v<PidSettings<float>>);
 /// back-calculation that does not overshoot.
 /// @throws InvalidInput  "where: Tf is 0.001 s, expected more than dt/2 = 0.0025 s because …"
 void validate(const PidSettings<double>& settings, const std::string& where);
+
+/// The same for single precision.
 void validate(const PidSettings<float>& settings, const std::string& where);
 
 /// A loop of a cascade as a PID element: derivative of the measured rate, integral by forward

@@ -34,7 +34,9 @@ namespace quadtune {
 /// the grid has no gain at a point, the last gain or trim is kept.
 class ScheduledFeedback {
  public:
-  /// @param dt  control period [s]
+  /// @param vehicle   valid, the one that the schedule was computed for
+  /// @param schedule  not null; with a gain at hover
+  /// @param dt        control period [s]
   /// @throws InvalidInput  as hover_gains() and state_feedback_settings()
   ScheduledFeedback(const Vehicle& vehicle, std::shared_ptr<const GainSchedule> schedule,
                     double dt);

@@ -19,10 +19,10 @@ inline constexpr int kMaxIntegrals = 12;
 
 /// Limits of the integral of one state, in the convention of the gains.
 struct IntegralGuard {
-  std::string state;       ///< e.g. "theta"
-  double error_limit = 0;  ///< as in GuardedIntegralSettings
-  double increment_limit = 0;
-  double integral_limit = 0;
+  std::string state;           ///< e.g. "theta"
+  double error_limit = 0;      ///< as in GuardedIntegralSettings
+  double increment_limit = 0;  ///< as in GuardedIntegralSettings
+  double integral_limit = 0;   ///< as in GuardedIntegralSettings
 };
 
 /// The limits of the last public version of the uquad flight code.
@@ -32,17 +32,20 @@ struct IntegralGuard {
 /// convention of the original gains.
 template <class T>
 struct StateFeedbackSettings {
-  InputKind input_kind = InputKind::rotor_speed;
-  int inputs = 0;
+  InputKind input_kind = InputKind::rotor_speed;  ///< quantities that the law commands
+  int inputs = 0;                                 ///< number of inputs
+  /// The first `inputs` rows are used.
   Eigen::Matrix<T, kMaxRotors, 12> K = Eigen::Matrix<T, kMaxRotors, 12>::Zero();
-  int integrals = 0;
+  int integrals = 0;  ///< number of integrated states
+  /// The first `inputs` rows and `integrals` columns are used.
   Eigen::Matrix<T, kMaxRotors, kMaxIntegrals> K_int =
       Eigen::Matrix<T, kMaxRotors, kMaxIntegrals>::Zero();
-  std::array<int, kMaxIntegrals> integrated{};  ///< indices into the 12 states
-  std::array<GuardedIntegralSettings<T>, kMaxIntegrals> guards{};
+  std::array<int, kMaxIntegrals> integrated{};                     ///< indices into the 12 states
+  std::array<GuardedIntegralSettings<T>, kMaxIntegrals> guards{};  ///< one for each integral
   StateVector<T> x0 = StateVector<T>::Zero();  ///< set point at which u0 is the trim input
+  /// Trim of the inputs, the first `inputs` are used.
   Eigen::Matrix<T, kMaxRotors, 1> u0 = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
-  PositionAxes axes = PositionAxes::world;
+  PositionAxes axes = PositionAxes::world;  ///< axes of the horizontal position errors
   /// The horizontal position error that the law uses is limited to this length [m], > 0.
   T position_error_limit = T(std::numeric_limits<double>::infinity());
   /// Whether integrals stop growing in a direction in which the motors are saturated.
@@ -51,6 +54,7 @@ struct StateFeedbackSettings {
   bool remembers = false;
   Eigen::Matrix<T, kMaxRotors, 1> lag_share =
       Eigen::Matrix<T, kMaxRotors, 1>::Zero();  ///< 1 - e^(-dt/lag)
+  /// Gain on the modelled actuator states, see CommandMemory.
   Eigen::Matrix<T, kMaxRotors, kMaxRotors> K_lag = Eigen::Matrix<T, kMaxRotors, kMaxRotors>::Zero();
   int past = 0;                                              ///< 0 to kMaxPastCommands
   Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past inputs)
@@ -59,6 +63,7 @@ struct StateFeedbackSettings {
 /// The state kept from one sample to the next.
 template <class T>
 struct StateFeedbackState {
+  /// One for each integrated state.
   std::array<GuardedIntegralState<T>, kMaxIntegrals> integrals{};
   /// Requested minus produced input of the last sample with conditional_integration; otherwise 0.
   Eigen::Matrix<T, kMaxRotors, 1> excess = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
@@ -87,6 +92,8 @@ struct FeedbackTransformation {
 [[nodiscard]] FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains);
 
 /// Converts gains of any convention, sign law and input kind to a law of a vehicle.
+/// @param vehicle  whose rotors the law commands
+/// @param gains   of any convention and sign law
 /// @param dt      sample period [s]: that of the gains, or any for continuous gains
 /// @param guards  by state name of the convention; an integrated state without guard is not limited
 /// @throws InvalidInput  if the inputs are not those of the vehicle or the states not the 12
@@ -204,8 +211,10 @@ template <class T>
 }
 
 /// Gives the law the input that the motors produce in this control period.
-/// @param asked  the result of step(), or `made` if step() was not called
-/// @param made   the input that the motors produce, of the same kind
+/// @param settings  accepted by step()
+/// @param state     of the law; its integrals and memory are corrected
+/// @param asked     the result of step(), or `made` if step() was not called
+/// @param made      the input that the motors produce, of the same kind
 template <class T>
 void on_realized(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
                  const Eigen::Matrix<T, kMaxRotors, 1>& asked,

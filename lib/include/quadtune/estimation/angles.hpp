@@ -44,6 +44,8 @@ template <class T>
 
 /// Yaw from the earth's magnetic field in body axes, for a body with this roll and pitch [rad],
 /// within [-π, π] of the declination.
+/// @param field        magnetic field in body axes, in any unit
+/// @param tilt         roll and pitch of the body [rad]
 /// @param declination  of magnetic north, positive to the east [rad]
 template <class T>
 [[nodiscard]] T yaw_from_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {

@@ -29,6 +29,7 @@ struct ComplementaryFilterSettings {
   T bias_time_constant = T(std::numeric_limits<double>::infinity());
 };
 
+/// The state kept from one sample to the next.
 template <class T>
 struct ComplementaryFilterState {
   Vector3<T> angles = Vector3<T>::Zero();     ///< roll and pitch within ±π; yaw not wrapped [rad]
@@ -58,8 +59,10 @@ template <class T>
 ///
 /// While the angles are constant, a tilt error decays by the factor τ/(τ + dt) per sample, and a
 /// gyroscope bias b causes a steady tilt error of b τ. The yaw is only integrated.
-/// @param gyro   [rad/s], finite
-/// @param force  specific force [m/s²], finite
+/// @param settings  accepted by validate()
+/// @param state     of the last sample; receives the new one
+/// @param gyro      [rad/s], finite
+/// @param force     specific force [m/s²], finite
 /// @param force_fresh  whether the force is a new sample; otherwise the angles are not corrected
 template <class T>
 void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterState<T>& state,
@@ -97,6 +100,8 @@ void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterSta
 /// from oscillating against each other.
 /// @throws InvalidInput  "where: force_band is 0, expected …"
 void validate(const ComplementaryFilterSettings<double>& settings, const std::string& where);
+
+/// The same for single precision.
 void validate(const ComplementaryFilterSettings<float>& settings, const std::string& where);
 
 }  // namespace quadtune

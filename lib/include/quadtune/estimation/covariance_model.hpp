@@ -26,11 +26,11 @@ struct FullCovariance {
 
 /// Σ(θ) = fixed + Σ scaled + Σ full.
 struct CovarianceModel {
-  Eigen::MatrixXd fixed;  ///< (n × n) symmetric, ≥ 0
-  std::vector<ScaledCovariance> scaled;
-  std::vector<FullCovariance> full;
+  Eigen::MatrixXd fixed;                 ///< (n × n) symmetric, ≥ 0
+  std::vector<ScaledCovariance> scaled;  ///< terms that one variance scales; may be empty
+  std::vector<FullCovariance> full;      ///< blocks with all their entries free; may be empty
 
-  [[nodiscard]] Eigen::Index size() const { return fixed.rows(); }
+  [[nodiscard]] Eigen::Index size() const { return fixed.rows(); }  ///< n, the number of rows
 };
 
 /// Whether Σ(θ) is diagonal for every θ.
@@ -38,6 +38,8 @@ struct CovarianceModel {
 
 /// Entry (i, j) of the block of a FullCovariance.
 /// @param parameters  θ and a, beginning with the block's first parameter
+/// @param i           row within the block, from 0
+/// @param j           column within the block, from 0
 template <class T>
 [[nodiscard]] T full_entry(const T* parameters, int i, int j) {
   using std::exp;
@@ -53,7 +55,9 @@ template <class T>
 [[nodiscard]] Eigen::VectorXd parameters_of_block(const Eigen::Ref<const Eigen::MatrixXd>& block);
 
 /// Writes Σ(θ) to a matrix that already has the right size.
+/// @param model       of the covariance
 /// @param parameters  all parameters of the filter model that the covariance belongs to
+/// @param result      (n × n) receives Σ(θ)
 template <class T, class Matrix>
 void fill_covariance(const CovarianceModel& model, const T* parameters, Matrix& result) {
   using std::exp;

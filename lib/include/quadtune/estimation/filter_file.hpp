@@ -17,10 +17,12 @@ namespace quadtune {
 [[nodiscard]] FilterModel load_filter_model(const std::string& name);
 
 /// Parses a filter model from the text of its file.
+/// @param text    content of the file
 /// @param origin  name of the text in messages
 [[nodiscard]] FilterModel parse_filter_model(const std::string& text, const std::string& origin);
 
 /// Returns the text of a file that parse_filter_model() reads as this model, including its starts.
+/// @param model     accepted by validate()
 /// @param comments  lines at the beginning of the file, without '#'
 /// @throws InvalidInput  as validate(); if the file format cannot express the model: a term of a
 ///                       covariance that is not an identity, or only some diffuse states
@@ -30,8 +32,11 @@ namespace quadtune {
 /// Name and description of a built-in model; built_in_filter_models() lists them in the order of
 /// the documentation.
 struct FilterModelTitle {
-  std::string name, description;
+  std::string name,  ///< e.g. "altitude"
+      description;   ///< what the filter estimates, in one line
 };
+
+/// The titles of all built-in models.
 [[nodiscard]] std::vector<FilterModelTitle> built_in_filter_models();
 
 }  // namespace quadtune

@@ -23,15 +23,17 @@ struct NoisePrior {
 
 /// One entry of θ: the logarithm of a variance, or an off-diagonal entry a of a FullCovariance.
 struct NoiseParameter {
-  std::string name;  ///< e.g. "Q.vz", "R.sonar"
-  std::string unit;  ///< of the variance; empty if unknown
-  bool logarithmic = true;
-  double start = 1;    ///< initial value of a search: a variance (> 0), or the entry itself
-  bool fixed = false;  ///< the search keeps the parameter at its start
+  std::string name;         ///< e.g. "Q.vz", "R.sonar"
+  std::string unit;         ///< of the variance; empty if unknown
+  bool logarithmic = true;  ///< true: θ is the logarithm of the value; false: the value itself
+  double start = 1;         ///< initial value of a search: a variance (> 0), or the entry itself
+  bool fixed = false;       ///< the search keeps the parameter at its start
+  /// Prior of the variance; empty: all values are equally likely.
   std::optional<NoisePrior> prior = {};
   /// Set by tuning: the interval in which the variance lies with 95 % probability.
   std::optional<std::pair<double, double>> interval = {};
 
+  /// Whether the names are equal.
   friend bool operator==(const NoiseParameter& a, const NoiseParameter& b) {
     return a.name == b.name;
   }
@@ -53,26 +55,26 @@ struct FilterSensor {
   double gate = std::numeric_limits<double>::infinity();
 };
 
-/// x' = A x + B u + G w, w white with density Q [unit²/s]; or, if dt > 0, x[k+1] = A x[k] + B u[k]
-/// + G w[k], w with covariance Q per step of dt seconds. Inputs are constant from one sample to the
-/// next.
+/// x' = A x + B u + G w, w white with density Q [unit²/s]; or, if dt > 0,
+/// x[k+1] = A x[k] + B u[k] + G w[k], w with covariance Q per step of dt seconds. Inputs are
+/// constant from one sample to the next.
 struct FilterModel {
-  std::string name;            ///< e.g. "altitude"
-  std::string description;     ///< one line; may be empty
-  double dt = 0;               ///< [s]; 0: continuous
-  std::vector<Signal> states;  ///< nx ≥ 1
-  std::vector<Signal> inputs;  ///< nu
-  std::vector<Signal> noises;  ///< nw, names of w
-  Eigen::MatrixXd A;           ///< (nx × nx)
-  Eigen::MatrixXd B;           ///< (nx × nu)
-  Eigen::MatrixXd G;           ///< (nx × nw)
-  CovarianceModel Q;           ///< (nw × nw)
-  std::vector<FilterSensor> sensors;
+  std::string name;                   ///< e.g. "altitude"
+  std::string description;            ///< one line; may be empty
+  double dt = 0;                      ///< [s]; 0: continuous
+  std::vector<Signal> states;         ///< nx ≥ 1
+  std::vector<Signal> inputs;         ///< nu
+  std::vector<Signal> noises;         ///< nw, names of w
+  Eigen::MatrixXd A;                  ///< (nx × nx)
+  Eigen::MatrixXd B;                  ///< (nx × nu)
+  Eigen::MatrixXd G;                  ///< (nx × nw)
+  CovarianceModel Q;                  ///< (nw × nw)
+  std::vector<FilterSensor> sensors;  ///< at least one
 
+  Eigen::VectorXd x0;  ///< (nx) estimate of the initial state
   /// (nx × nx) covariance of the error of x0; 0 in rows and columns of diffuse states
-  Eigen::VectorXd x0;
-  Eigen::MatrixXd P0;         ///< (nx) true: the initial state is completely unknown
-  std::vector<bool> diffuse;  ///< (nx) nothing is known of the state at the start
+  Eigen::MatrixXd P0;
+  std::vector<bool> diffuse;  ///< (nx) true: the initial state is completely unknown
 
   /// Set for a model of inertial navigation: gravity in world axes [m/s²]. A, B and G then do not
   /// refer to any particular attitude, and nonlinear_filter() linearizes the records.
@@ -81,12 +83,13 @@ struct FilterModel {
   /// likewise.
   std::string vehicle = {};
 
-  std::vector<NoiseParameter> parameters;
+  std::vector<NoiseParameter> parameters;  ///< p, in the order of θ
 
   /// Result of the tuning that computed the starts: "pass", "fail" or "too short to tell"; empty if
   /// the model is not tuned.
   std::string verdict;
 
+  /// False for models that nonlinear_filter() linearizes.
   [[nodiscard]] bool linear() const { return !gravity && vehicle.empty(); }
   [[nodiscard]] Eigen::Index outputs() const;  ///< sum of ny over all sensors
 };

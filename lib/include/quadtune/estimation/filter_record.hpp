@@ -43,13 +43,15 @@ struct FilterRecord {
   /// only; no filter uses it.
   SampleMatrix truth = {};
 
+  /// N, the number of instants.
   [[nodiscard]] Eigen::Index samples() const { return static_cast<Eigen::Index>(time.size()); }
 };
 
 /// An interval of a log that a filter cannot use.
 struct LeftOutRecord {
   std::string name;               ///< as FilterRecord::name
-  double from = 0, to = 0;        ///< first and last instant [s]
+  double from = 0,                ///< first instant [s]
+      to = 0;                     ///< last instant [s]
   Eigen::Index measurements = 0;  ///< number of instants with a measurement
 };
 

@@ -169,6 +169,9 @@ void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
 /// sample whose time the horizon has reached or passed, and predicts the present estimate from it.
 ///
 /// Samples that are not finite count as not fresh.
+/// @param settings  accepted by validate()
+/// @param state     of the last period; receives the new one
+/// @param frame     sensors as received in this period
 /// @param standing  whether the vehicle stands on the ground: it does not move, and its biases and
 ///                  its tilt are estimated
 template <class T>

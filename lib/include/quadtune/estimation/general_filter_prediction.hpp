@@ -157,8 +157,8 @@ template <class T>
   });
 }
 
-/// Propagates the covariance over a time h: position gains h velocity, velocity gains -[a]× h turn
-/// - R h force_bias, and turn gains -R h gyro_bias.
+/// Propagates the covariance over a time h: position gains h velocity, velocity gains
+/// -[a]× h turn - R h force_bias, and turn gains -R h gyro_bias.
 /// @param R_WB    in the middle of the period
 /// @param gained  R_WB force h, without gravity [m/s]
 template <class T>

@@ -66,7 +66,7 @@ struct RangeAid {
 
 /// Barometer. The variance refers to the height [m²].
 struct PressureAid {
-  Aid aid;
+  Aid aid;               ///< lag, variance and scale of the pressure reading
   double zero = 101325;  ///< pressure at the world's origin [Pa], > 0
   /// d(pressure)/d(height) [Pa/m], < 0; NaN: the standard atmosphere.
   double fall = std::numeric_limits<double>::quiet_NaN();
@@ -74,6 +74,7 @@ struct PressureAid {
 
   /// d(pressure)/d(height) at the world's origin [Pa/m].
   [[nodiscard]] double slope() const { return fall == fall ? fall : -zero / (0.190295 * 44330); }
+  /// Whether all members are equal; NaN counts as equal to NaN.
   friend bool operator==(const PressureAid& a, const PressureAid& b) {
     const bool same_fall = a.fall == b.fall || (a.fall != a.fall && b.fall != b.fall);
     return a.aid == b.aid && a.zero == b.zero && same_fall && a.walk == b.walk;
@@ -82,7 +83,7 @@ struct PressureAid {
 
 /// Magnetometer, used for the heading only. The variance refers to the heading [rad²].
 struct HeadingAid {
-  Aid aid;
+  Aid aid;                 ///< lag, variance and scale of the reading
   double declination = 0;  ///< of magnetic north, positive to the east [rad]
   /// Of the expected field: vertical over horizontal part, tan(inclination) [1]
   double dip = 0;
@@ -106,18 +107,18 @@ struct StartDeviations {
 /// Constant settings; validate() checks them and step() does not. A sensor that is absent is not
 /// used.
 struct GeneralFilterSettings {
-  double dt = 0.005;      ///< control period [s], > 0
-  double gravity = 9.81;  ///< [m/s²], > 0
-  InertialAid gyroscope;
-  InertialAid accelerometer;
-  std::optional<FlowAid> flow;
-  std::optional<RangeAid> range;
-  std::optional<PressureAid> pressure;
-  std::optional<HeadingAid> heading;
-  std::optional<Aid> gps_position;
-  std::optional<Aid> gps_velocity;
-  std::optional<Aid> vision;
-  StartDeviations start;
+  double dt = 0.005;                    ///< control period [s], > 0
+  double gravity = 9.81;                ///< [m/s²], > 0
+  InertialAid gyroscope;                ///< predicts the attitude; required
+  InertialAid accelerometer;            ///< predicts the velocity; required
+  std::optional<FlowAid> flow;          ///< empty: no optical flow
+  std::optional<RangeAid> range;        ///< empty: no range sensor
+  std::optional<PressureAid> pressure;  ///< empty: no barometer
+  std::optional<HeadingAid> heading;    ///< empty: no magnetometer
+  std::optional<Aid> gps_position;      ///< world position from GPS [m]; empty: none
+  std::optional<Aid> gps_velocity;      ///< world velocity from GPS [m/s]; empty: none
+  std::optional<Aid> vision;            ///< world position from a vision system [m]; empty: none
+  StartDeviations start;                ///< standard deviations of the errors of the initial state
 
   /// A measurement with e²/S above this value is rejected; 25 is five standard deviations. > 0.
   double gate = 25;
@@ -186,6 +187,7 @@ struct GeneralFilterNoise {
 /// @param dt       control period [s]
 /// @param gravity  [m/s²]
 /// @param magnetic_field  magnetic field of the earth in world axes [µT], for the heading
+/// @param noise    noise of the model; the sensors' noise is that of `sensors`
 /// @throws InvalidInput  if the accelerometer or the gyroscope is missing or its lag is too large
 [[nodiscard]] GeneralFilterSettings general_filter_settings(const Sensors& sensors, double dt,
                                                             double gravity,

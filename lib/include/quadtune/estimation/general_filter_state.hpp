@@ -14,41 +14,44 @@ namespace quadtune {
 /// Indices of the error states: position and velocity in world axes, a small rotation about the
 /// world axes, gyroscope and accelerometer biases in body axes, offset of the barometer's height.
 inline constexpr int kErrorPosition = 0;
-inline constexpr int kErrorVelocity = 3;
-inline constexpr int kErrorTurn = 6;
-inline constexpr int kErrorGyroBias = 9;
-inline constexpr int kErrorForceBias = 12;
-inline constexpr int kErrorPressureHeight = 15;
-inline constexpr int kErrorStates = 16;
+inline constexpr int kErrorVelocity = 3;         ///< velocity, world axes [m/s]
+inline constexpr int kErrorTurn = 6;             ///< small rotation about the world axes [rad]
+inline constexpr int kErrorGyroBias = 9;         ///< bias of the gyroscope, body axes [rad/s]
+inline constexpr int kErrorForceBias = 12;       ///< bias of the accelerometer, body axes [m/s²]
+inline constexpr int kErrorPressureHeight = 15;  ///< offset of the barometer's height [m]
+inline constexpr int kErrorStates = 16;          ///< number of error states
 
 /// A symmetric matrix, of which only the lower triangle is stored, row by row.
 template <class T, int n>
 struct SymmetricMatrix {
+  /// Row by row: (0,0), (1,0), (1,1), (2,0) ….
   std::array<T, static_cast<std::size_t>(n*(n + 1) / 2)> entries{};
 
+  /// Index into `entries`; (i, j) and (j, i) are the same entry.
   [[nodiscard]] static constexpr std::size_t place(int i, int j) {
     return static_cast<std::size_t>(i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
   }
-  T& operator()(int i, int j) { return entries[place(i, j)]; }
+  T& operator()(int i, int j) { return entries[place(i, j)]; }  ///< entry (i, j), 0 ≤ i, j < n
+  /// Entry (i, j), 0 ≤ i, j < n.
   const T& operator()(int i, int j) const { return entries[place(i, j)]; }
 };
 
 /// The n newest values, newest first, in a ring buffer.
 template <class Value, int n>
 struct History {
-  std::array<Value, static_cast<std::size_t>(n)> values{};
-  int newest = 0;
+  std::array<Value, static_cast<std::size_t>(n)> values{};  ///< in ring order
+  int newest = 0;                                           ///< index of the newest value
 
   /// @param age  in control periods, 0 ≤ age < n
   [[nodiscard]] const Value& operator[](int age) const { return values[place(age)]; }
-  Value& operator[](int age) { return values[place(age)]; }
+  Value& operator[](int age) { return values[place(age)]; }  ///< likewise, for changes
   /// Advances the ring and returns the slot of the newest value; the caller overwrites its old
   /// content.
   Value& advance() {
     newest = newest == 0 ? n - 1 : newest - 1;
     return values[static_cast<std::size_t>(newest)];
   }
-  void fill(const Value& value) { values.fill(value); }
+  void fill(const Value& value) { values.fill(value); }  ///< sets all n values
 
  private:
   [[nodiscard]] std::size_t place(int age) const {
@@ -67,7 +70,7 @@ struct InertialReading {
 /// A sample that waits until the horizon reaches its time.
 template <class Value, class T>
 struct Waiting {
-  Value value{};
+  Value value{};     ///< the sample
   T age = T(0);      ///< age at its arrival [s]
   MaskOf<T> came{};  ///< whether a sample arrived in that period
 };
@@ -82,7 +85,7 @@ enum class Scalar {
   gps_velocity = 8,
   vision = 11,
 };
-inline constexpr std::size_t kScalars = 14;
+inline constexpr std::size_t kScalars = 14;  ///< number of scalar measurements
 
 /// Rejections of a scalar measurement since it was last accepted.
 template <class T>
@@ -104,28 +107,31 @@ struct Motion9 {
 /// The motion and its covariance refer to the horizon, horizon_periods() before the newest period.
 template <class T>
 struct GeneralFilterState {
-  Motion9<T> motion;
+  Motion9<T> motion;                           ///< at the horizon
   Vector3<T> gyro_bias = Vector3<T>::Zero();   ///< [rad/s]
   Vector3<T> force_bias = Vector3<T>::Zero();  ///< of the accelerometer [m/s²]
   T pressure_height = T(0);                    ///< offset of the barometer's height [m]
   SymmetricMatrix<T, kErrorStates> P;          ///< covariance of the errors, in their order
   T yaw = T(0);                                ///< last estimate, not wrapped [rad]
 
+  /// Inertial readings, newest first.
   History<InertialReading<T>, kMaxHistoryPeriods + kMaxHorizonPeriods + 4> readings;
+  /// Samples of a sensor that wait for the horizon, newest first.
   template <class Value>
   using Queue = History<Waiting<Value, T>, kMaxHorizonPeriods + 2>;
-  Queue<Eigen::Matrix<T, 2, 1>> flow;
-  Queue<T> range;
-  Queue<T> pressure;
-  Queue<Vector3<T>> field;
-  Queue<Vector3<T>> gps_position;
-  Queue<Vector3<T>> gps_velocity;
-  Queue<Vector3<T>> vision;
-  std::array<Rejections<T>, kScalars> rejections{};
+  Queue<Eigen::Matrix<T, 2, 1>> flow;                ///< as SensorFrame::flow
+  Queue<T> range;                                    ///< as SensorFrame::sonar
+  Queue<T> pressure;                                 ///< as SensorFrame::pressure
+  Queue<Vector3<T>> field;                           ///< as SensorFrame::magnetic_field
+  Queue<Vector3<T>> gps_position;                    ///< as SensorFrame::gps_position
+  Queue<Vector3<T>> gps_velocity;                    ///< as SensorFrame::gps_velocity
+  Queue<Vector3<T>> vision;                          ///< as SensorFrame::vision
+  std::array<Rejections<T>, kScalars> rejections{};  ///< by Scalar
 };
 
 /// Initial state for a known motion, with the standard deviations settings.start.
-/// @param x  the 12 states of ned_convention()
+/// @param settings  accepted by validate(); `start` gives the variances
+/// @param x         the 12 states of ned_convention()
 template <class T>
 [[nodiscard]] GeneralFilterState<T> general_filter_start(const GeneralFilterSettings& settings,
                                                          const StateVector<T>& x) {

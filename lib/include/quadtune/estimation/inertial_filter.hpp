@@ -14,11 +14,11 @@ namespace quadtune {
 /// about the world axes [rad]; velocity and position in world axes; gyroscope and accelerometer
 /// biases in body axes.
 inline constexpr int kInertialAttitude = 0;
-inline constexpr int kInertialVelocity = 3;
-inline constexpr int kInertialPosition = 6;
-inline constexpr int kGyroOffset = 9;
-inline constexpr int kForceOffset = 12;
-inline constexpr int kInertialStates = 15;
+inline constexpr int kInertialVelocity = 3;  ///< velocity, world axes [m/s]
+inline constexpr int kInertialPosition = 6;  ///< position, world axes [m]
+inline constexpr int kGyroOffset = 9;        ///< bias of the gyroscope, body axes [rad/s]
+inline constexpr int kForceOffset = 12;      ///< bias of the accelerometer, body axes [m/s²]
+inline constexpr int kInertialStates = 15;   ///< number of states
 
 /// Model with the states, inputs and noises of inertial navigation, without sensors and
 /// covariances: Ṙ = R [ω - b_ω - w_ω], v̇ = R (f - b_f - w_f) + gravity, ṗ = v; the biases are

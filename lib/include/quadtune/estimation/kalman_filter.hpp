@@ -16,15 +16,15 @@ namespace quadtune {
 /// x[k+1] = F x[k] + G u[k] + w, w with covariance Q.
 template <class T, int nx, int nu>
 struct KalmanModel {
-  Eigen::Matrix<T, nx, nx> F = Eigen::Matrix<T, nx, nx>::Identity();
-  Eigen::Matrix<T, nx, nu> G = Eigen::Matrix<T, nx, nu>::Zero();
+  Eigen::Matrix<T, nx, nx> F = Eigen::Matrix<T, nx, nx>::Identity();  ///< dynamics per step
+  Eigen::Matrix<T, nx, nu> G = Eigen::Matrix<T, nx, nu>::Zero();      ///< input matrix per step
   Eigen::Matrix<T, nx, nx> Q = Eigen::Matrix<T, nx, nx>::Zero();  ///< symmetric, ≥ 0, per step
 };
 
 /// Filter state between steps. A copy resumes identically.
 template <class T, int nx>
 struct KalmanState {
-  Eigen::Matrix<T, nx, 1> x = Eigen::Matrix<T, nx, 1>::Zero();
+  Eigen::Matrix<T, nx, 1> x = Eigen::Matrix<T, nx, 1>::Zero();  ///< estimate
   /// covariance of the error of x; symmetric
   Eigen::Matrix<T, nx, nx> P = Eigen::Matrix<T, nx, nx>::Zero();
 };
@@ -40,7 +40,7 @@ struct KalmanUpdate {
 template <class T, int entries>
 struct SparseRow {
   std::array<int, entries> column;  ///< column indices, all different
-  std::array<T, entries> value;
+  std::array<T, entries> value;     ///< the entries in these columns
 };
 
 /// Gate that rejects no innovation.
@@ -94,8 +94,12 @@ void predict(const KalmanModel<T, nx, nu>& model, KalmanState<T, nx>& state,
 /// Gain K = P Cᵀ (C P Cᵀ + R)⁻¹, covariance (I - K C) P (I - K C)ᵀ + K R Kᵀ (Joseph). State and
 /// covariance remain unchanged, bit for bit, if the measurement is not fresh or not finite, if its
 /// eᵀ S⁻¹ e exceeds the gate, or if S ≤ 0, which cannot occur with valid P and R.
-/// @param R     variance, ≥ 0
-/// @param gate  largest accepted eᵀ S⁻¹ e; 10.8 rejects one valid measurement in a thousand
+/// @param state  receives the corrected state
+/// @param C      row of the measurement
+/// @param y      measured value
+/// @param R      variance, ≥ 0
+/// @param fresh  whether y was measured in this step
+/// @param gate   largest accepted eᵀ S⁻¹ e; 10.8 rejects one valid measurement in a thousand
 template <class T, int nx>
 KalmanUpdate<T> update(KalmanState<T, nx>& state,
                        const std::type_identity_t<Eigen::Matrix<T, 1, nx>>& C,

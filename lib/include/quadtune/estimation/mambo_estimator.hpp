@@ -58,7 +58,7 @@ struct MamboEstimatorSettings {
   /// nothing, as in the original; 1 + a²/3 and 1 + b²/3 compensate the mean over an image with half
   /// fields of view a and b.
   T flow_compensation_x = T(0);
-  T flow_compensation_y = T(0);
+  T flow_compensation_y = T(0);  ///< likewise for y
   /// Total lag of a gyroscope reading: delay plus the lag of its response [s], ≥ 0.
   T gyro_lag = T(0);
   /// Number of control periods for which flows and gyroscope readings are stored, so that each flow
@@ -73,7 +73,7 @@ struct MamboEstimatorSettings {
   bool hold_flow = true;
   T flow_disagreement = T(1);  ///< difference above which Estimate::flow_disagrees is set [m/s]
 
-  MamboPosition position = MamboPosition::filtered_velocity;
+  MamboPosition position = MamboPosition::filtered_velocity;  ///< source of the horizontal position
   /// process noise of px and py per period, for velocity errors that last seconds [m²]
   T position_Q = T(1e-6);
   T vision_R = T(0.0025);  ///< measurement noise of a vision position, per axis [m²]
@@ -134,7 +134,7 @@ struct FlowMoment {
 /// Estimator state between control periods. A copy resumes identically.
 template <class T>
 struct MamboEstimatorState {
-  ComplementaryFilterState<T> attitude;
+  ComplementaryFilterState<T> attitude;        ///< angles and gyroscope bias
   Vector3<T> force = Vector3<T>::Zero();       ///< newest specific force [m/s²]
   Vector3<T> force_bias = Vector3<T>::Zero();  ///< computed by the calibration [m/s²]
   KalmanState<T, 2> altitude;                  ///< z, vz, predicted for the next period
@@ -153,18 +153,19 @@ struct MamboEstimatorState {
   /// newest first, aligned_periods entries in use
   std::array<FlowMoment<T>, kMaxAlignedPeriods> moments{};
 
-  std::int64_t periods = 0;                  ///< since the start
-  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< during the calibration
-  Vector3<T> force_sum = Vector3<T>::Zero();
-  T gyro_count = T(0);
-  T force_count = T(0);
+  std::int64_t periods = 0;                   ///< since the start
+  Vector3<T> gyro_sum = Vector3<T>::Zero();   ///< during the calibration
+  Vector3<T> force_sum = Vector3<T>::Zero();  ///< likewise
+  T gyro_count = T(0);                        ///< number of gyroscope samples in the sum
+  T force_count = T(0);                       ///< number of accelerometer samples in the sum
 };
 
 /// Minimum of cos roll · cos pitch at which sonar and flow are used: 60° of tilt.
 inline constexpr double kMinTiltCosine = 0.5;
 
 /// Initial state of an estimator for a known motion.
-/// @param x  the 12 states of ned_convention()
+/// @param settings  accepted by validate()
+/// @param x         the 12 states of ned_convention()
 template <class T>
 [[nodiscard]] MamboEstimatorState<T> mambo_estimator_start(
     const MamboEstimatorSettings<T>& settings, const StateVector<T>& x) {
@@ -471,6 +472,8 @@ template <class To, class From>
 /// limits in order, and complementary filter settings that their own validate() accepts.
 /// @throws InvalidInput  "where: altitude_R is 0 m2, expected …"
 void validate(const MamboEstimatorSettings<double>& settings, const std::string& where);
+
+/// The same for single precision.
 void validate(const MamboEstimatorSettings<float>& settings, const std::string& where);
 
 }  // namespace quadtune

@@ -13,6 +13,7 @@ namespace quadtune {
 
 /// The signals that a filter model of any kind uses.
 struct ModelSignals {
+  /// One sensor of the model.
   struct Sensor {
     std::string name;             ///< e.g. "sonar"
     std::vector<Signal> outputs;  ///< measured together in one sample
@@ -24,6 +25,7 @@ struct ModelSignals {
   bool z_up = false;
 };
 
+/// The signals of a model.
 [[nodiscard]] ModelSignals signals_of(const FilterModel& model);
 
 /// Signals of each built-in model, in the order of the documentation.
@@ -31,7 +33,7 @@ struct ModelSignals {
 
 /// An input or output that the log does not provide by name.
 struct MissingSignal {
-  Signal signal;
+  Signal signal;       ///< name and unit in the model
   std::string sensor;  ///< sensor that measures it; empty for an input
   std::string why;     ///< what is wrong with the channel of the same name; empty if there is none
   /// Full names of channels with a matching unit that the user may mean, those with similar names
@@ -39,8 +41,9 @@ struct MissingSignal {
   std::vector<std::string> candidates;
 };
 
+/// What a log provides for one model, and what it lacks.
 struct ModelNeeds {
-  std::string model;
+  std::string model;   ///< name of the model
   bool feeds = false;  ///< all inputs and all outputs of at least one sensor are available
   std::vector<std::pair<std::string, std::string>> uses;  ///< signal, and the channel that feeds it
   std::vector<MissingSignal> missing;  ///< if the model is fed: outputs of its other sensors

@@ -15,7 +15,7 @@ namespace quadtune {
 
 /// Linearized records of a filter, or the reason why there are none.
 struct LinearizedLogs {
-  std::vector<FilterRecord> records;
+  std::vector<FilterRecord> records;  ///< one for each log; empty if there is a culprit
   std::string culprit;  ///< e.g. "log.csv: the velocity leaves the range of a double at 3.2 s"
 };
 
@@ -63,6 +63,7 @@ class NonlinearFilter {
 /// A record with fewer than two instants of measurements is left out, since it contains no
 /// innovation that depends on the motion.
 ///
+/// @param model    nonlinear: inertial navigation, or a rigid body
 /// @param records  inputs at every instant, and measurements where available
 /// @param stop     called every thousand instants; true aborts with Interrupted. May be empty.
 /// @throws InvalidInput  as validate() of the model and validate_samples(); if the model is linear,

@@ -12,7 +12,7 @@ namespace quadtune {
 /// Newest sample of one sensor, as received.
 template <class Value, class T>
 struct Sample {
-  Value value{};
+  Value value{};      ///< as received
   MaskOf<T> fresh{};  ///< true only in the control period in which the value arrived
   T age = T(0);       ///< time since it was taken [s]; increases until a new one arrives
 };
@@ -34,7 +34,7 @@ struct SensorFrame {
 /// State estimate of the flight program: the 12 states of ned_convention().
 template <class T>
 struct Estimate {
-  StateVector<T> x = StateVector<T>::Zero();
+  StateVector<T> x = StateVector<T>::Zero();  ///< 12 states of ned_convention()
   /// false: an entry of x is not finite; the estimator does not recover
   MaskOf<T> finite{true};
   MaskOf<T> height_used{};  ///< whether sonar or barometer was used in this period
@@ -64,7 +64,7 @@ struct Reference {
   T roll = T(0);                             ///< [rad]; used if track_position is false
   T pitch = T(0);                            ///< [rad]; used if track_position is false
   bool track_position = true;  ///< controlModePosVsOrient: position, or attitude and height
-  FlightPhase phase = FlightPhase::flying;
+  FlightPhase phase = FlightPhase::flying;  ///< mode of the motors
   /// In FlightPhase::motors: 0 is the minimum command, 1 the maximum; negative: the motor is
   /// stopped.
   Eigen::Matrix<double, kMaxRotors, 1> motors = Eigen::Matrix<double, kMaxRotors, 1>::Constant(-1);

@@ -22,17 +22,18 @@ struct ChannelUse {
 /// every input has a sample. It is split where an input is missing for more than ten of its typical
 /// periods, since the value of the input is unknown there.
 ///
-/// @param uses  every input of the model and at least one output; the other outputs count as not
-///              measured
+/// @param model  accepted by validate()
+/// @param uses   every input of the model and at least one output; the other outputs count as not
+///               measured
 /// @param truths  true values of states. A truth is interpolated between its samples, but not over
 ///                more than ten of its typical periods. Nonlinear models also accept "qw", "qx",
 ///                "qy", "qz", the attitude quaternion from body to world, and inertial navigation
 ///                "roll", "pitch", "yaw"; its truth for the rotation states is the rotation vector
 ///                of the attitude. Degrees are converted for states in radians.
-/// @param name  of the record, for messages
+/// @param name   of the record, for messages
 /// @param left_out  if not null, receives the measurements at single instants between two gaps:
 ///                  such an interval contains no time step and gives no record
-/// @return      at least one record
+/// @return       at least one record
 /// @throws InvalidInput  "name: …" if a signal is missing, unknown or given twice, a unit is not
 ///                       that of the model, times do not increase, a period of a discrete model
 ///                       contains two samples of one output, or inputs and outputs do not overlap

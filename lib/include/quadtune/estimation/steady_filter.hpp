@@ -17,6 +17,7 @@ struct SteadyFilterState {
   Eigen::Matrix<T, Eigen::Dynamic, 1> e;
 };
 
+/// The state before the first measurement, with the predicted state x (nx).
 template <class T>
 [[nodiscard]] SteadyFilterState<T> steady_filter_start(
     const KalmanFilter& filter, const Eigen::Matrix<T, Eigen::Dynamic, 1>& x) {

@@ -13,6 +13,7 @@ namespace quadtune {
 template <class T>
 struct UquadFilterSettings;
 
+/// Noise of a filter with a control period.
 struct NoisePerStep {
   Eigen::MatrixXd Q;  ///< (nw × nw) covariance of w per step
   Eigen::MatrixXd R;  ///< (ny × ny) covariance per measurement
@@ -27,6 +28,7 @@ struct NoisePerStep {
 /// @param model   with the tuned variances as starts, see with_noise()
 /// @param filter  states with the same names in the same order
 /// @param G       (nx × nw) of the filter
+/// @param where   beginning of messages
 /// @throws InvalidInput  "where: …" if states, noises, measurements or period differ
 [[nodiscard]] NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
                                           const Eigen::MatrixXd& G, const std::string& where);
@@ -35,7 +37,9 @@ struct NoisePerStep {
 /// the model's density times settings.dt; the R of a sensor that the model does not have remains
 /// unchanged.
 ///
-/// @param model  with the tuned variances as starts, see with_noise()
+/// @param model     with the tuned variances as starts, see with_noise()
+/// @param where     beginning of messages
+/// @param settings  receives the variances
 /// @throws InvalidInput  "where: …" for another kind of model, or if the axes of a sensor have
 ///                       different variances, which the filter does not support
 void copy_noise(const FilterModel& model, const std::string& where,

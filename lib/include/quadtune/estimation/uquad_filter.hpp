@@ -15,8 +15,9 @@ namespace quadtune {
 
 /// The 12 states of ned_convention(), then the accelerometer biases in body axes [m/s²].
 inline constexpr int kUquadStates = 15;
-inline constexpr int kForceBias = 12;
+inline constexpr int kForceBias = 12;  ///< index of the first bias
 
+/// A value for each state of the filter.
 template <class T>
 using UquadVector = Eigen::Matrix<T, kUquadStates, 1>;
 
@@ -46,8 +47,8 @@ struct UquadFilterSettings {
   double dt = 0.01;             ///< control period [s], > 0
   double calibration_time = 0;  ///< stationary interval at the start, see step() [s]; 0: none
 
-  UquadVector<T> Q = uquad_variances<T>(100, 1, 100, 10, 1);
-  UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);  ///< of the initial state
+  UquadVector<T> Q = uquad_variances<T>(100, 1, 100, 10, 1);  ///< process noise
+  UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);      ///< of the initial state
   T R_tilt = T(10);           ///< roll and pitch from the accelerometer [rad²] (psi, phi)
   T R_yaw = T(1000);          ///< from the magnetometer [rad²] (theta)
   T R_force = T(1e4);         ///< accelerometer, per axis [m²/s⁴]
@@ -153,7 +154,7 @@ template <class T>
 /// Filter state between control periods. A copy resumes identically.
 template <class T>
 struct UquadFilterState {
-  KalmanState<T, kUquadStates> kalman;
+  KalmanState<T, kUquadStates> kalman;          ///< estimate and covariance
   Vector3<T> gyro_offset = Vector3<T>::Zero();  ///< computed by the calibration [rad/s]
   T pressure_zero = T(0);                       ///< pressure at start_z [Pa]
   T start_z = T(0);                             ///< [m]
@@ -162,15 +163,15 @@ struct UquadFilterState {
   T force_excess = T(0);                        ///< newest | |f|/g - 1 |
   T gps_age = T(0);                             ///< since GPS or vision was last accepted [s]
 
-  std::int64_t periods = 0;                  ///< since the start
-  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< during the calibration
-  Vector3<T> force_sum = Vector3<T>::Zero();
-  Vector3<T> field_sum = Vector3<T>::Zero();
-  T pressure_sum = T(0);
-  T gyro_count = T(0);
-  T force_count = T(0);
-  T field_count = T(0);
-  T pressure_count = T(0);
+  std::int64_t periods = 0;                   ///< since the start
+  Vector3<T> gyro_sum = Vector3<T>::Zero();   ///< during the calibration
+  Vector3<T> force_sum = Vector3<T>::Zero();  ///< of the specific force [m/s²]
+  Vector3<T> field_sum = Vector3<T>::Zero();  ///< of the magnetic field [µT]
+  T pressure_sum = T(0);                      ///< of the pressure [Pa]
+  T gyro_count = T(0);                        ///< number of gyroscope samples
+  T force_count = T(0);                       ///< number of accelerometer samples
+  T field_count = T(0);                       ///< number of magnetometer samples
+  T pressure_count = T(0);                    ///< number of barometer samples
 };
 
 /// The uquad's measurement vector of one period, with flags for fresh entries.
@@ -186,14 +187,14 @@ struct UquadMeasurement {
   Vector3<T> vision = Vector3<T>::Zero();        ///< world [m], propagated to the present
   T tilt_variance_factor = T(1);                 ///< factor of R_tilt
   T yaw_variance_factor = T(1);                  ///< factor of R_yaw
-  MaskOf<T> tilt_fresh{};
-  MaskOf<T> yaw_fresh{};
-  MaskOf<T> force_fresh{};
-  MaskOf<T> rates_fresh{};
-  MaskOf<T> height_fresh{};
-  MaskOf<T> gps_position_fresh{};
-  MaskOf<T> gps_velocity_fresh{};
-  MaskOf<T> vision_fresh{};
+  MaskOf<T> tilt_fresh{};                        ///< whether `tilt` is a new measurement
+  MaskOf<T> yaw_fresh{};                         ///< whether `yaw` is a new measurement
+  MaskOf<T> force_fresh{};                       ///< whether `force` is a new measurement
+  MaskOf<T> rates_fresh{};                       ///< whether `rates` is a new measurement
+  MaskOf<T> height_fresh{};                      ///< whether `height` is a new measurement
+  MaskOf<T> gps_position_fresh{};                ///< whether `gps_position` is a new measurement
+  MaskOf<T> gps_velocity_fresh{};                ///< whether `gps_velocity` is a new measurement
+  MaskOf<T> vision_fresh{};                      ///< whether `vision` is a new measurement
 };
 
 /// Height above the level with pressure p0, in a standard troposphere [m].
@@ -252,6 +253,9 @@ void advance_rows(const StateJacobian<T>& A, const T& h,
 }  // namespace uquad_filter_internal
 
 /// x ← x + dt f(x, u),  P ← F P Fᵀ + Q with F = I + dt ∂f/∂x.
+/// @param settings  accepted by validate()
+/// @param kalman    receives the predicted state
+/// @param body      constants of the vehicle
 /// @param loads     rotor loads at the speeds of the period that ends now
 /// @param standing  whether the vehicle stands on the ground: nothing moves, F = I
 template <class T>
@@ -276,7 +280,12 @@ void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates
 /// Corrects by all fresh entries of a measurement, one scalar at a time, so that no matrix is
 /// inverted. Rows that depend on the state are linearized once per group, which gives the same
 /// result as a simultaneous correction by all three scalars of the group.
-/// @param seen  accumulates height_used, innovation_square and innovation_freedom
+/// @param settings     accepted by validate()
+/// @param kalman       receives the corrected state
+/// @param body         constants of the vehicle
+/// @param loads        rotor loads at the speeds of the period
+/// @param measurement  of this period
+/// @param seen         accumulates height_used, innovation_square and innovation_freedom
 /// @return  whether GPS or vision was accepted
 template <class T>
 MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
@@ -355,6 +364,7 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
 }
 
 /// Initial state of a filter for a known motion.
+/// @param settings  accepted by validate()
 /// @param x  the 12 states of ned_convention(); settings.P0 are the variances of their errors
 template <class T>
 [[nodiscard]] UquadFilterState<T> uquad_filter_start(const UquadFilterSettings<T>& settings,
@@ -443,6 +453,10 @@ template <class T>
 /// gyroscope offset, the pressure at the start, the attitude and, unless it is set, the expected
 /// field; the estimate keeps its initial value. The initial accelerometer bias is subtracted from
 /// the mean of the accelerometer. A sensor without samples changes nothing.
+/// @param settings  accepted by validate()
+/// @param state     of the last period; receives the new one
+/// @param frame     sensors as received in this period
+/// @param body      constants of the vehicle
 /// @param speeds    one per rotor [rad/s]
 /// @param standing  whether the vehicle stands on the ground, where gravity does not accelerate it:
 ///                  velocity is measured as 0, and the accelerometer is used for its tilt only
@@ -523,6 +537,8 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
 /// Validates the settings: dt > 0, variances ≥ 0 with every R > 0, bands > 0, pressure > 0.
 /// @throws InvalidInput  "where: R_tilt is 0 rad2, expected a positive number"
 void validate(const UquadFilterSettings<double>& settings, const std::string& where);
+
+/// The same for single precision.
 void validate(const UquadFilterSettings<float>& settings, const std::string& where);
 
 }  // namespace quadtune

@@ -23,11 +23,12 @@ struct LogSeries {
   Samples values = {};  ///< same length as time
 };
 
+/// Series of a log, and the state of the log.
 struct LogChannels {
   std::vector<LogSeries> series;  ///< in the order of the requested names
-  LogCondition condition;
-  std::int64_t epoch_s = 0;
-  std::vector<LogGroup> groups;  ///< all groups of the log
+  LogCondition condition;         ///< damage that was found
+  std::int64_t epoch_s = 0;       ///< time 0 of the series in the clock of the file [s]
+  std::vector<LogGroup> groups;   ///< all groups of the log
 };
 
 /// A requested channel does not exist in the log; where() is the log.
@@ -46,8 +47,10 @@ class UnknownChannel : public InvalidInput {
 };
 
 /// Reads channels of a log in one pass.
-/// @param names  "group.channel", or "channel" if only one group has it; for text also the number
-///               of a column, from 1
+/// @param path     of the log
+/// @param names    "group.channel", or "channel" if only one group has it; for text also the number
+///                 of a column, from 1
+/// @param options  format, columns and clock, if they are not detected
 /// @param optional  further names that the log may not have. Their series follow in this order; the
 ///                  series of a missing channel has neither name nor samples
 /// @throws UnknownChannel  if the log does not have a channel, with the most similar existing name

@@ -24,8 +24,8 @@ struct LogChannel {
 /// Channels with a common clock: a topic, a sensor, or the table of a text file.
 struct LogGroup {
   std::string name;  ///< e.g. "sensor_combined"; empty if the file has only one table
-  std::vector<LogChannel> channels;
-  bool timed = true;  ///< false: the rows have no times, LogBlock::time contains NaN
+  std::vector<LogChannel> channels;  ///< in the order of the file
+  bool timed = true;                 ///< false: the rows have no times, LogBlock::time contains NaN
 };
 
 /// "group.channel", or only the channel's name if the group has no name.
@@ -37,7 +37,7 @@ struct LogBlock {
   std::vector<double> time;    ///< [s] since LogReader::epoch_s(), one per row
   std::vector<double> values;  ///< row by row, one per channel; NaN if missing
 
-  [[nodiscard]] std::size_t rows() const { return time.size(); }
+  [[nodiscard]] std::size_t rows() const { return time.size(); }  ///< number of rows
 };
 
 /// Damage and ambiguities of a log. Complete only after the reader has reached the end.
@@ -71,6 +71,7 @@ struct LogColumnChoice {
 /// or timestamp, with its unit as in t_us, time[ns] or t[ms], is a part of the time (if the unit is
 /// not stated, it is inferred from the values); several parts are added. The item * selects all
 /// other columns.
+/// @param text   one or more items, separated by commas
 /// @param where  beginning of messages, e.g. "--columns"
 /// @throws InvalidInput  if the text is not a column selection
 [[nodiscard]] std::vector<LogColumnChoice> parse_log_columns(const std::string& text,
@@ -88,9 +89,11 @@ struct LogOptions {
 
 /// A value of LogOptions::format and its description.
 struct LogFormat {
-  std::string name;
-  std::string summary;
+  std::string name;     ///< value of LogOptions::format
+  std::string summary;  ///< one line
 };
+
+/// All formats, in the order of the documentation.
 [[nodiscard]] const std::vector<LogFormat>& log_formats();
 
 /// Delivers a log block by block. Times are exact: the epoch is subtracted from integer times
@@ -109,6 +112,7 @@ class LogReader {
 
   /// The groups found so far. Each block may add groups; existing groups do not change.
   [[nodiscard]] const std::vector<LogGroup>& groups() const { return groups_; }
+  /// Damage that was found so far.
   [[nodiscard]] const LogCondition& condition() const { return condition_; }
   /// One of log_formats().
   [[nodiscard]] const std::string& format() const { return format_; }
@@ -118,13 +122,14 @@ class LogReader {
   [[nodiscard]] virtual std::int64_t epoch_s() const = 0;
 
  protected:
+  /// By the reader of one format: its name in log_formats()
   explicit LogReader(std::string format) : format_(std::move(format)) {}
 
   /// Adds a group. Characters of its names and units that are invalid in terminals or JSON are
   /// replaced by '?'.
   void add_group(LogGroup group);
 
-  LogCondition condition_;
+  LogCondition condition_;  ///< for the reader of one format, which adds the damage that it finds
 
  private:
   std::string format_;
@@ -132,7 +137,8 @@ class LogReader {
 };
 
 /// Opens a log in the format LogOptions::format, or detects the format from the first bytes.
-/// @param path  a file; "-" is standard input
+/// @param path     a file; "-" is standard input
+/// @param options  format, columns and clock, if they are not detected
 /// @throws FileError     if it cannot be read
 /// @throws InvalidInput  if it is not a log of that format, or the options do not fit the format
 [[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,

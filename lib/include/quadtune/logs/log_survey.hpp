@@ -14,8 +14,8 @@ namespace quadtune {
 
 /// Timing statistics of recorded rows.
 struct LogTiming {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  double first_s = kNaN;  ///< the first time
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< unknown
+  double first_s = kNaN;                                                    ///< the first time
   double duration_s = 0;  ///< difference between maximum and minimum time
   /// Median interval, with an error of at most 1 %; NaN with fewer than two samples
   double period_s = kNaN;
@@ -31,14 +31,14 @@ struct LogTiming {
 
 /// Statistics of one channel. Its timing covers the rows in which it has a value.
 struct LogChannelSurvey {
-  std::size_t group = 0;  ///< index into LogSurvey::groups
-  LogChannel channel;
-  LogTiming timing;
-  std::uint64_t samples = 0;  ///< number of rows with a value
-  std::uint64_t nan = 0;      ///< number of rows without a value
-  double min = LogTiming::kNaN;
-  double max = LogTiming::kNaN;
-  double mean = LogTiming::kNaN;
+  std::size_t group = 0;          ///< index into LogSurvey::groups
+  LogChannel channel;             ///< name and unit
+  LogTiming timing;               ///< of the rows in which the channel has a value
+  std::uint64_t samples = 0;      ///< number of rows with a value
+  std::uint64_t nan = 0;          ///< number of rows without a value
+  double min = LogTiming::kNaN;   ///< smallest value; NaN if there is none
+  double max = LogTiming::kNaN;   ///< largest value; NaN if there is none
+  double mean = LogTiming::kNaN;  ///< mean value; NaN if there is none
   /// Standard deviation, with divisor n - 1; NaN with fewer than two samples
   double std = LogTiming::kNaN;
   bool constant = false;  ///< at least two samples, all equal
@@ -48,19 +48,21 @@ struct LogChannelSurvey {
   std::uint64_t saturated = 0;
 };
 
+/// A group and its rows.
 struct LogGroupSurvey {
-  LogGroup group;
-  std::uint64_t rows = 0;
-  LogTiming timing;  ///< of all rows
+  LogGroup group;          ///< name and channels
+  std::uint64_t rows = 0;  ///< number of rows
+  LogTiming timing;        ///< of all rows
 };
 
+/// What a log contains.
 struct LogSurvey {
-  std::string format;
-  std::int64_t epoch_s = 0;
-  double duration_s = 0;  ///< difference between maximum and minimum time in the log
-  std::vector<LogGroupSurvey> groups;
+  std::string format;                  ///< one of log_formats()
+  std::int64_t epoch_s = 0;            ///< time 0 of the log in the clock of the file [s]
+  double duration_s = 0;               ///< difference between maximum and minimum time in the log
+  std::vector<LogGroupSurvey> groups;  ///< in the order of the file
   std::vector<LogChannelSurvey> channels;  ///< of all groups, group by group
-  LogCondition condition;
+  LogCondition condition;                  ///< damage that was found
 };
 
 /// Reads the log to its end.

@@ -30,6 +30,7 @@ struct LogTable {
   std::vector<LogColumn> columns;  ///< the first is the time, "t" in s, increasing
   std::vector<LogEvent> events;    ///< in chronological order
 
+  /// Number of rows of every column.
   [[nodiscard]] std::size_t rows() const {
     return columns.empty() ? 0 : columns.front().values.size();
   }

@@ -14,7 +14,7 @@ struct Air {
 
 /// Range of the standard atmosphere, geopotential height above mean sea level [m].
 inline constexpr double kStandardAtmosphereFloor = -2000;
-inline constexpr double kStandardAtmosphereCeiling = 20000;
+inline constexpr double kStandardAtmosphereCeiling = 20000;  ///< upper end of that range [m]
 
 /// International Standard Atmosphere: -6.5 K/km up to 11 km, 216.65 K from there to 20 km.
 /// @param height  Geopotential height above mean sea level [m], -2000 ≤ height ≤ 20000.
@@ -35,8 +35,8 @@ enum class AtmosphereModel {
 
 /// The air as a function of height.
 struct Atmosphere {
-  AtmosphereModel model = AtmosphereModel::still;
-  Air air;  ///< uniform air, used by AtmosphereModel::still
+  AtmosphereModel model = AtmosphereModel::still;  ///< uniform air, or the standard atmosphere
+  Air air;                                         ///< uniform air, used by AtmosphereModel::still
   /// Height of the world's origin above mean sea level [m], used by AtmosphereModel::standard.
   double ground_height = 0;
 

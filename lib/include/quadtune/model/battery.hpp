@@ -45,7 +45,10 @@ template <class T>
 /// The open-circuit voltage V₀ decreases linearly with the charge drawn. With V = V₀ - R I and V I
 /// = P, the current is the smaller root. A power above V₀²/4R cannot be supplied: the voltage is
 /// then V₀/2 and the current V₀/2R.
+/// @param battery      accepted by validate()
+/// @param state        of the last step; receives the new one
 /// @param shaft_power  of all rotors [W], ≥ 0
+/// @param dt           [s], > 0
 template <class T>
 void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, double dt) {
   using std::sqrt;

@@ -19,7 +19,7 @@ struct Gust {
 /// Wind in world axes: mean + gust + turbulence.
 struct Wind {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< of the air over the ground [m/s]
-  Gust gust;
+  Gust gust;                                       ///< added to the mean while it lasts
   /// Wind speed at 6 m that drives the turbulence [m/s]: 7.7 light, 15.4 moderate, 23.2 severe.
   double turbulence = 0;
   double turbulence_height = 6;  ///< height at which its length scales are evaluated [m], 3 … 300
@@ -31,11 +31,11 @@ struct Wind {
 
 /// Static: uniform. Dynamic: air density, gravity and magnetic field vary with height.
 struct Environment {
-  bool dynamic = false;
+  bool dynamic = false;      ///< whether they vary with height
   double ground_height = 0;  ///< of the world's origin above mean sea level [m]; dynamic only
   /// World axes [µT]; the default is typical of middle latitudes.
   Eigen::Vector3d magnetic_field = {20, 0, 43};
-  Wind wind;
+  Wind wind;  ///< none by default
 };
 
 /// Earth radius for the decrease of gravity with height [m] (ISO 2533).

@@ -29,6 +29,8 @@ struct MassProperties {
 /// Checks that J can be the inertia of a rigid body: finite, symmetric, with principal moments of
 /// at least 1e-30 kg m² and 1e-9 of the largest, none larger than the sum of the other two.
 ///
+/// @param J          inertia about the centre of mass [kg m²]
+/// @param where      beginning of messages
 /// @param tolerance  Relative amount by which the largest moment may exceed that sum, since
 ///                   measured moments of flat bodies can violate the inequality.
 /// @throws InvalidInput  with the axis and the violation.

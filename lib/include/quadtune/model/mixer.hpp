@@ -16,6 +16,7 @@ namespace quadtune {
 
 /// The wrench of rotors turning at w [rad/s], with the vehicle's exact thrust and torque curves.
 ///
+/// @param vehicle        source of rotors and curves
 /// @param w              (n) rotor speeds in the order of vehicle.rotors; doubles or jets.
 /// @param density_ratio  Density of the air over vehicle.air_density.
 /// @pre   w has vehicle.rotors.size() entries.
@@ -70,16 +71,17 @@ enum class MixStatus {
 
 /// Rotor speeds and the wrench that they produce.
 struct MixResult {
-  MixStatus status = MixStatus::infeasible;
-  Eigen::VectorXd w;        ///< (n) [rad/s], always within the motors' limits
-  Eigen::Vector4d wrench;   ///< wrench at speeds w [N, N m]
-  Eigen::Vector4d missing;  ///< requested minus produced wrench [N, N m]
+  MixStatus status = MixStatus::infeasible;  ///< whether the rotors produce the wrench
+  Eigen::VectorXd w;                         ///< (n) [rad/s], always within the motors' limits
+  Eigen::Vector4d wrench;                    ///< wrench at speeds w [N, N m]
+  Eigen::Vector4d missing;                   ///< requested minus produced wrench [N, N m]
   /// Norm of `missing`, each entry divided by what all rotors produce at full speed.
   double residual = 0;
-  int iterations = 0;
+  int iterations = 0;  ///< Newton steps
   /// The saturated rotors, their limits and the missing wrench; empty if solved.
   std::string culprit;
 
+  /// Whether the rotors produce the wrench.
   [[nodiscard]] bool solved() const { return status == MixStatus::solved; }
 };
 
@@ -87,14 +89,17 @@ struct MixResult {
 /// than four rotors each step is the speed change of least norm; rotors that reach a limit stay
 /// there, and the others share the rest.
 ///
+/// @param vehicle        at least one rotor
 /// @param wrench         requested [T τx τy τz] [N, N m].
 /// @param density_ratio  Density of the air over vehicle.air_density, > 0.
 /// @throws InvalidInput  if an entry is not finite or the density ratio is not positive.
 [[nodiscard]] MixResult speeds_for_wrench(const Vehicle& vehicle, const Eigen::Vector4d& wrench,
                                           double density_ratio = 1);
 
-/// Minimum and maximum rotor speed [rad/s], from the motors' command limits.
+/// Minimum rotor speed [rad/s], from the motors' command limits.
 [[nodiscard]] double min_speed(const Vehicle& vehicle);
+
+/// Maximum rotor speed [rad/s], from the motors' command limits.
 [[nodiscard]] double max_speed(const Vehicle& vehicle);
 
 /// Sum of all thrusts at the maximum speed [N].

@@ -13,10 +13,10 @@ namespace quadtune {
 struct Implausibility {
   std::string quantity;  ///< in words, e.g. "thrust-to-weight"
   std::string unit;      ///< empty for a ratio
-  double value = 0;
-  double low = 0;     ///< lower end of the plausible range
-  double high = 0;    ///< upper end
-  std::string cause;  ///< the likely cause, e.g. "max_rad_s is in rpm"
+  double value = 0;      ///< value of the vehicle [unit]
+  double low = 0;        ///< lower end of the plausible range
+  double high = 0;       ///< upper end
+  std::string cause;     ///< the likely cause, e.g. "max_rad_s is in rpm"
 };
 
 /// Compares the vehicle with multirotors of 5 g to 50 kg: arm length relative to mass, principal

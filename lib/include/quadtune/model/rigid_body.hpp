@@ -44,15 +44,15 @@ struct BasicRotor {
   Vector3<P> position = Vector3<P>::Zero();  ///< of the hub from the centre of mass, body axes [m]
   P spin = P(1);                             ///< spin_sign()
   P thrust_a2 = P(0);                        ///< curves as in Rotor
-  P thrust_a1 = P(0);
-  P torque_d2 = P(0);
-  P torque_d1 = P(0);
-  P inertia = P(0);   ///< of the rotating parts about the axis [kg m²]
-  P lag = P(0);       ///< time constant while the speed rises [s]; 0 means none
-  P lag_down = P(0);  ///< while the speed falls
-  P drag = P(0);      ///< aerodynamics of the moving hub, as in Rotor
-  P inflow = P(0);
-  P flapping = P(0);
+  P thrust_a1 = P(0);                        ///< as Rotor::thrust_a1
+  P torque_d2 = P(0);                        ///< as Rotor::torque_d2
+  P torque_d1 = P(0);                        ///< as Rotor::torque_d1
+  P inertia = P(0);                          ///< of the rotating parts about the axis [kg m²]
+  P lag = P(0);            ///< time constant while the speed rises [s]; 0 means none
+  P lag_down = P(0);       ///< while the speed falls
+  P drag = P(0);           ///< aerodynamics of the moving hub, as in Rotor
+  P inflow = P(0);         ///< as Rotor::inflow
+  P flapping = P(0);       ///< as Rotor::flapping
   P ground_radius = P(0);  ///< radius of a rotor with ground effect [m], else 0
 };
 
@@ -80,18 +80,18 @@ struct BasicRigidBody {
   P air_density;           ///< at the place of the flight [kg/m³]
   P density_ratio;         ///< air_density over the density of the rotor curves
   // Terms that the equations may skip.
-  bool has_drag = true;         ///< false: cda and linear_drag are 0
-  bool principal_axes = false;  ///< true: J is diagonal
-  bool has_airflow = false;     ///< true: a rotor has drag, inflow or flapping
-  bool has_ground_effect = false;
-  int rotor_count = 0;
+  bool has_drag = true;                          ///< false: cda and linear_drag are 0
+  bool principal_axes = false;                   ///< true: J is diagonal
+  bool has_airflow = false;                      ///< true: a rotor has drag, inflow or flapping
+  bool has_ground_effect = false;                ///< true: a rotor has ground effect
+  int rotor_count = 0;                           ///< number of rotors, 1 to kMaxRotors
   std::array<BasicRotor<P>, kMaxRotors> rotors;  ///< the first rotor_count
 
  private:
   static BasicRigidBody of_vehicle(const Vehicle& vehicle, double density_ratio);
 };
 
-using RigidBody = BasicRigidBody<double>;
+using RigidBody = BasicRigidBody<double>;  ///< A vehicle whose constants are plain numbers.
 
 /// The loads of the rotors on the body, in body axes.
 template <class T>
@@ -103,7 +103,9 @@ struct RotorLoads {
 
 /// Adds the loads of one rotor: thrust along body -z at its hub, drag torque against its spin, and
 /// angular momentum along its spin.
+/// @param rotor   position and spin
 /// @param thrust  [N];  @param torque  drag torque ≥ 0 [N m];  @param speed  [rad/s].
+/// @param loads   receives the sum
 template <class P, class T>
 void add_rotor(const BasicRotor<P>& rotor, const T& thrust, const T& torque, const T& speed,
                RotorLoads<T>& loads) {
@@ -115,6 +117,7 @@ void add_rotor(const BasicRotor<P>& rotor, const T& thrust, const T& torque, con
 }
 
 /// Loads of all rotors.
+/// @param body    constants of the vehicle
 /// @param speeds  one per rotor [rad/s].
 template <class P, class Speeds>
 [[nodiscard]] RotorLoads<typename Speeds::Scalar> rotor_loads(
@@ -133,8 +136,10 @@ template <class P, class Speeds>
 /// Adds the effects of the hubs' motion through the air, each hub moving with v = airspeed + w × r:
 /// drag in the rotor's plane, thrust lost in a climb, and the moment of flapping. Linear in
 /// airspeed and rates.
+/// @param body      constants of the vehicle
 /// @param speeds    one per rotor [rad/s];  @param airspeed  of the centre of mass, body axes [m/s]
 /// @param rates     body axes [rad/s]
+/// @param loads     receives the sum
 template <class P, class Speeds, class T>
 void add_airflow(const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>& speeds,
                  const Vector3<T>& airspeed, const Vector3<T>& rates, RotorLoads<T>& loads) {
@@ -159,6 +164,7 @@ void add_airflow(const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>&
 }
 
 /// The loads of all rotors of a vehicle that moves through the air.
+/// @param body      constants of the vehicle
 /// @param speeds    one per rotor [rad/s];  @param airspeed  body axes [m/s]
 /// @param rates     body axes [rad/s]
 template <class P, class Speeds>
@@ -210,6 +216,7 @@ template <class P, class T>
 }
 
 /// v' in body axes [m/s²].
+/// @param body      constants of the vehicle
 /// @param down      the world's z axis in body components (unit).
 /// @param velocity  body axes [m/s];  @param rates  body axes [rad/s].
 /// @param force     of the rotors [N].
@@ -310,7 +317,9 @@ template <class T>
 }
 
 /// x' of the 13 states with a quaternion, regular in every attitude.
+/// @param body        constants of the vehicle
 /// @param x           13 numbers, the first entries of a longer state
+/// @param loads       of the rotors, in body axes
 /// @param wind        velocity of the air, world axes [m/s]; nullptr: no wind
 /// @param derivative  13 numbers
 template <class P, class T, class From, class To>
@@ -342,6 +351,7 @@ template <class P, class T, class From, class To>
   derivative(6) = qw * r + (qx * q - qy * p);
 }
 
+/// The derivative of the 13 states, without wind.
 template <class P, class T>
 [[nodiscard]] QuaternionState<T> state_derivative(const BasicRigidBody<P>& body,
                                                   const QuaternionState<T>& x,
@@ -359,6 +369,8 @@ template <class T>
   result << x.template head<3>(), q.w(), q.x(), q.y(), q.z(), x.template tail<6>();
   return result;
 }
+
+/// The 12 states with the Euler angles of the quaternion; the inverse of quaternion_state().
 template <class T>
 [[nodiscard]] StateVector<T> euler_state(const QuaternionState<T>& x) {
   const Eigen::Quaternion<T> q(x(3), x(4), x(5), x(6));

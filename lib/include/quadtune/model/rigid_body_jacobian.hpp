@@ -11,14 +11,14 @@ namespace quadtune {
 /// on the yaw; in the other blocks the third column for the attitude is 0.
 template <class T>
 struct StateJacobian {
-  Matrix3<T> position_attitude;
+  Matrix3<T> position_attitude;  ///< by attitude
   Matrix3<T> position_velocity;  ///< R_WB
-  Matrix3<T> attitude_attitude;
-  Matrix3<T> attitude_rates;
-  Matrix3<T> velocity_attitude;
-  Matrix3<T> velocity_velocity;
-  Matrix3<T> velocity_rates;
-  Matrix3<T> rates_rates;
+  Matrix3<T> attitude_attitude;  ///< by attitude
+  Matrix3<T> attitude_rates;     ///< by body rates
+  Matrix3<T> velocity_attitude;  ///< by attitude
+  Matrix3<T> velocity_velocity;  ///< by body velocity
+  Matrix3<T> velocity_rates;     ///< by body rates
+  Matrix3<T> rates_rates;        ///< by body rates
 };
 
 /// [a]×, with [a]× b = a × b.

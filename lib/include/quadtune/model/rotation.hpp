@@ -9,8 +9,11 @@
 
 namespace quadtune {
 
+/// A vector in three axes.
 template <class T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+/// A matrix between three axes.
 template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 

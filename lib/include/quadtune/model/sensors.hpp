@@ -63,7 +63,7 @@ struct BarometerSensor {
   /// Pressure at the world's origin [Pa] and its decrease with height [Pa/m]; NaN selects the
   /// decrease of the standard atmosphere.
   double ground_pressure = 101325;
-  double fall = std::numeric_limits<double>::quiet_NaN();
+  double fall = std::numeric_limits<double>::quiet_NaN();  ///< see ground_pressure [Pa/m]
 };
 
 /// Position and velocity from satellite navigation, world axes.
@@ -77,10 +77,10 @@ struct Sensors {
   std::optional<SensorFaults> accelerometer;  ///< specific force, body axes [m/s²]
   std::optional<SensorFaults> gyroscope;      ///< body rates [rad/s]
   std::optional<SensorFaults> magnetometer;   ///< body axes [µT]
-  std::optional<BarometerSensor> barometer;
-  std::optional<SonarSensor> sonar;
-  std::optional<FlowSensor> flow;
-  std::optional<GpsSensor> gps;
+  std::optional<BarometerSensor> barometer;   ///< empty: none
+  std::optional<SonarSensor> sonar;           ///< empty: none
+  std::optional<FlowSensor> flow;             ///< empty: none
+  std::optional<GpsSensor> gps;               ///< empty: none
   /// Gyroscope error per specific force, body axes [rad/s per m/s²].
   Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();
   /// Position from camera images of markers at known places, world axes [m].

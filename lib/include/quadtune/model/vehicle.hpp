@@ -28,7 +28,7 @@ enum class Spin { clockwise, counter_clockwise };
 struct Rotor {
   Eigen::Vector3d position =
       Eigen::Vector3d::Zero();  ///< hub from the centre of mass, body axes [m]
-  Spin spin = Spin::clockwise;
+  Spin spin = Spin::clockwise;  ///< direction of rotation
   double thrust_a2 = 0;  ///< T = a2 w² + a1 w [N], at the vehicle's air density [N s²/rad²]
   double thrust_a1 = 0;  ///< [N s/rad]
   double torque_d2 = 0;  ///< Q = d2 w² + d1 w [N m], at the same density [N m s²/rad²]
@@ -61,13 +61,13 @@ enum class CommandLaw {
 
 /// Commands that the motors accept. The limits bound the rotor speed in every trim and simulation.
 struct MotorCommand {
-  CommandLaw law = CommandLaw::speed;
-  double gain = 1;             ///< [rad/s per unit] or [rad²/s² per unit]
-  std::string unit = "rad/s";  ///< of the command: "rad/s" or "count"
-  double min = 0;              ///< minimum command at which the rotor turns steadily
-  double max = 0;              ///< maximum command
-  double quantum = 0;          ///< resolution of the command; 0: continuous
-  double delay = 0;            ///< from the law's output to the motors' command [s], ≥ 0
+  CommandLaw law = CommandLaw::speed;  ///< relation between the command and the rotor speed
+  double gain = 1;                     ///< [rad/s per unit] or [rad²/s² per unit]
+  std::string unit = "rad/s";          ///< of the command: "rad/s" or "count"
+  double min = 0;                      ///< minimum command at which the rotor turns steadily
+  double max = 0;                      ///< maximum command
+  double quantum = 0;                  ///< resolution of the command; 0: continuous
+  double delay = 0;                    ///< from the law's output to the motors' command [s], ≥ 0
   /// Maximum additional delay, drawn uniformly in each period [s], ≥ 0.
   double delay_jitter = 0;
   /// Sign that the flight code gives to each motor's command, ±1; empty: all +1.
@@ -82,25 +82,25 @@ struct Drag {
 
 /// All parameters of a vehicle. World axes north-east-down, body axes forward-right-down, SI units.
 struct Vehicle {
-  std::string name;
-  std::string description;
-  std::string source;  ///< reference for the numbers
-  double mass = 0;     ///< [kg]
+  std::string name;         ///< e.g. "crazyflie"
+  std::string description;  ///< one line; may be empty
+  std::string source;       ///< reference for the numbers
+  double mass = 0;          ///< [kg]
   Eigen::Matrix3d inertia =
       Eigen::Matrix3d::Zero();  ///< about the centre of mass, body axes [kg m²]
   /// Relative amount by which measured moments may violate the triangle inequality.
   double inertia_tolerance = 0;
-  std::vector<Rotor> rotors;  ///< at least one
-  MotorCommand motor;
-  Drag drag;
+  std::vector<Rotor> rotors;   ///< at least one
+  MotorCommand motor;          ///< command range and law of the motors
+  Drag drag;                   ///< of the body
   double gravity = 9.81;       ///< [m/s²]
   double air_density = 1.225;  ///< for which the rotor curves hold [kg/m³]
   double takeoff_gain = 0;     ///< thrust at take-off is (1 + gain) m g
   /// Fraction of the maximum thrust that the altitude loop may use.
   double altitude_thrust_fraction = 1;
-  std::optional<Battery> battery;  ///< empty: an ideal supply of constant voltage
-  Sensors sensors = typical_sensors();
-  bool sensors_known = false;  ///< whether the sensors were given for this vehicle
+  std::optional<Battery> battery;       ///< empty: an ideal supply of constant voltage
+  Sensors sensors = typical_sensors();  ///< noise, rates and delays
+  bool sensors_known = false;           ///< whether the sensors were given for this vehicle
   double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
   double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
   /// Published gains that the vehicle flies with, as a baseline for new designs.
@@ -115,20 +115,23 @@ template <class AnyRotor, class T, class P = double>
 [[nodiscard]] T rotor_thrust(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.thrust_a2 * w * w + rotor.thrust_a1 * w) * density_ratio;  // T = a2 w² + a1 w [N]
 }
+
+/// Drag torque of one rotor at speed w [rad/s] [N m]; the arguments are those of rotor_thrust().
 template <class AnyRotor, class T, class P = double>
 [[nodiscard]] T rotor_torque(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
 }
 
-/// Maximum lag of a rotor and maximum delay of a command [s].
+/// Maximum lag of a rotor [s].
 inline constexpr double kMaxLag = 1;
-inline constexpr double kMaxCommandDelay = 10;
+inline constexpr double kMaxCommandDelay = 10;  ///< maximum delay of a command [s]
 
-/// Time constant while the speed falls, and the larger one of both directions [s]. Linear models
-/// use the larger one.
+/// Time constant while the speed falls [s].
 [[nodiscard]] inline double lag_down(const Rotor& rotor) {
   return std::isnan(rotor.lag_down) ? rotor.lag : rotor.lag_down;
 }
+
+/// The larger time constant of both directions [s], which linear models use.
 [[nodiscard]] inline double slower_lag(const Rotor& rotor) {
   return std::max(rotor.lag, lag_down(rotor));
 }
@@ -142,8 +145,10 @@ inline constexpr double kMaxCommandDelay = 10;
   });
 }
 
-/// "cw" or "ccw"; "speed" or "speed-squared": as vehicle files write them.
+/// "cw" or "ccw", as vehicle files write it.
 [[nodiscard]] std::string to_string(Spin spin);
+
+/// "speed" or "speed-squared", as vehicle files write it.
 [[nodiscard]] std::string to_string(CommandLaw law);
 
 /// Speed [rad/s] at which the rotor produces `thrust` ≥ 0 [N]: the larger root of the thrust curve.
@@ -153,6 +158,8 @@ inline constexpr double kMaxCommandDelay = 10;
 /// Converts a command to a speed [rad/s], and back; limits are not applied.
 /// @throws InvalidInput  if the argument is negative or not finite.
 [[nodiscard]] double speed_of_command(const MotorCommand& motor, double command);
+
+/// The inverse of speed_of_command().
 [[nodiscard]] double command_of_speed(const MotorCommand& motor, double speed);
 
 /// Validates a vehicle: positive mass, a physically possible inertia, at least one rotor, curves
@@ -172,6 +179,7 @@ inline constexpr std::size_t kVehicleFileLimit = std::size_t{1} << 20;
 [[nodiscard]] Vehicle load_vehicle(const std::string& name_or_path);
 
 /// Parses a vehicle from the text of a file.
+/// @param text    content of the file
 /// @param origin  the file's name in messages.
 [[nodiscard]] Vehicle parse_vehicle(const std::string& text, const std::string& origin);
 

@@ -14,6 +14,7 @@ struct VehicleSpread {
   double thrust = 0;     ///< of the thrust and drag torque of all rotors at a given speed
   double motor_lag = 0;  ///< of the time constants of the motors
 
+  /// Whether the file states any uncertainty.
   [[nodiscard]] bool stated() const {
     return mass > 0 || inertia > 0 || thrust > 0 || motor_lag > 0;
   }

@@ -17,8 +17,8 @@ namespace quadtune {
 
 /// One design in one mission.
 struct CampaignCase {
-  std::string design;
-  std::string mission;
+  std::string design;   ///< name of the design
+  std::string mission;  ///< name of the mission
   FlightSetup setup;  ///< without drawn parameters; seed and flight number are set for each flight
 };
 
@@ -29,10 +29,11 @@ struct CampaignCase {
 /// Records are numbered draw by draw: number = draw · cases + case.
 struct Campaign {
   std::vector<CampaignCase> cases;  ///< at least one; all with the same vehicle
-  Uncertainty uncertainty;
-  std::uint32_t flights = 0;  ///< number of draws, ≥ 1
-  std::uint64_t seed = 1;
+  Uncertainty uncertainty;          ///< of the drawn parameters
+  std::uint32_t flights = 0;        ///< number of draws, ≥ 1
+  std::uint64_t seed = 1;           ///< of all draws
 
+  /// Number of flights: draws times cases.
   [[nodiscard]] std::uint64_t records() const {
     return std::uint64_t{flights} * static_cast<std::uint64_t>(cases.size());
   }
@@ -47,27 +48,31 @@ struct Campaign {
 void validate(const Campaign& campaign, const std::string& where);
 
 /// Drawn parameters of all flights, one column per flight as returned by draw().
-/// @param threads  as fly_all()
-/// @return         (quantities × flights)
+/// @param campaign  accepted by fly_draws()
+/// @param threads   as fly_all()
+/// @return          (quantities × flights)
 [[nodiscard]] Eigen::MatrixXd all_draws(const Campaign& campaign, std::size_t threads = 0);
 
 /// The stored result of one flight.
 struct CampaignRecord {
-  std::uint64_t number = 0;
-  FlightEnd end = FlightEnd::completed;
-  bool passed = false;  ///< completed, and every limit of the mission satisfied
-  double end_time = 0;  ///< [s]
+  std::uint64_t number = 0;              ///< of the flight, from 0
+  FlightEnd end = FlightEnd::completed;  ///< how the flight ended
+  bool passed = false;                   ///< completed, and every limit of the mission satisfied
+  double end_time = 0;                   ///< [s]
   /// Reason of an early end, e.g. "tilt"; at most 47 bytes; empty if completed
   std::string reason;
-  MetricValues metrics;
+  MetricValues metrics;  ///< of the flight
 };
 
 /// Extracts the record of a flight from its result.
-/// @param setup  of the flight; its mission defines the limits
+/// @param number  of the flight
+/// @param setup   of the flight; its mission defines the limits
+/// @param result  of the flight
 [[nodiscard]] CampaignRecord record_of(std::uint64_t number, const FlightSetup& setup,
                                        const FlightResult& result);
 
 /// Flies draws `begin` to `end` - 1 in every case.
+/// @param campaign     its setups are accepted by fly_all() in every draw
 /// @param begin, end   begin ≤ end ≤ `campaign.flights`
 /// @param threads      as fly_all()
 /// @param interrupted  as fly_all()
@@ -80,12 +85,13 @@ struct CampaignRecord {
 
 /// The draws `begin` to `end` - 1.
 struct DrawRange {
-  std::uint32_t begin = 0;
-  std::uint32_t end = 0;
+  std::uint32_t begin = 0;  ///< first draw
+  std::uint32_t end = 0;    ///< one past the last draw
 };
 /// The draws of one shard. The sizes of the shards differ by at most one draw.
-/// @param shards  ≥ 1
-/// @param shard   0 ≤ shard < `shards`
+/// @param flights  number of draws
+/// @param shards   ≥ 1
+/// @param shard    0 ≤ shard < `shards`
 [[nodiscard]] DrawRange shard_draws(std::uint32_t flights, std::uint32_t shards,
                                     std::uint32_t shard);
 

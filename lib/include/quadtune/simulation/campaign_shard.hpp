@@ -19,15 +19,15 @@ struct CampaignFolder {
   std::filesystem::path path;
   std::string plan;           ///< SHA-256 of the plan, 64 hexadecimal digits
   std::uint32_t flights = 0;  ///< number of draws
-  std::uint32_t cases = 0;
-  std::uint32_t shards = 0;
+  std::uint32_t cases = 0;    ///< number of cases
+  std::uint32_t shards = 0;   ///< number of shards, ≥ 1
 };
 
 /// State of a shard on disk.
 struct ShardState {
-  bool complete = false;      ///< the shard's file exists and every record in it is valid
-  std::uint64_t records = 0;  ///< number of valid records, in the shard's file and in the parts
-  std::uint64_t expected = 0;
+  bool complete = false;       ///< the shard's file exists and every record in it is valid
+  std::uint64_t records = 0;   ///< number of valid records, in the shard's file and in the parts
+  std::uint64_t expected = 0;  ///< number of records of a complete shard
   std::vector<std::string> damage;  ///< one line per file that is damaged
   int workers = 0;                  ///< number of parts, one per worker, running or not
   double last_written = -1;         ///< age of the newest part [s]; negative: there is no part
@@ -35,7 +35,8 @@ struct ShardState {
   double rate = 0;
 };
 /// Reads the state of a shard.
-/// @param shard  0 ≤ shard < `shards` of the folder, here and below
+/// @param folder  with the plan
+/// @param shard   0 ≤ shard < `shards` of the folder, here and below
 /// @throws FileError  if the shard's file exists and cannot be read
 [[nodiscard]] ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard);
 
@@ -52,7 +53,7 @@ struct ShardState {
 struct ShardWork {
   bool was_complete = false;  ///< nothing had to be flown
   std::uint64_t found = 0;    ///< number of valid records from previous workers
-  std::uint64_t flown = 0;
+  std::uint64_t flown = 0;    ///< number of flights that this call flew
   /// Damage that was found; the affected flights were flown again
   std::vector<std::string> damage;
 };
@@ -66,7 +67,12 @@ using ShardProgress = std::function<void(std::uint64_t flown, std::uint64_t miss
 /// which then atomically replaces the shard's file. Records of other workers are used if their
 /// checksums are correct. Two workers on the same shard both fly all of it and write identical
 /// bytes.
-/// @param threads     as fly_all()
+/// @param campaign     that the plan describes
+/// @param folder       with the plan
+/// @param shard        0 ≤ shard < `shards` of the folder
+/// @param threads      as fly_all()
+/// @param progress     called regularly; may be empty
+/// @param interrupted  as fly_all()
 /// @throws FileError     with the path and the operating system's reason; completed flights remain
 ///                       in the part
 /// @throws Interrupted   completed flights remain in the part

@@ -16,13 +16,14 @@ namespace quadtune {
 
 /// An estimate with its 95 % confidence interval.
 struct Estimated {
-  double value = 0;
-  double low = 0;
-  double high = 0;
+  double value = 0;  ///< the estimate
+  double low = 0;    ///< lower end of the interval
+  double high = 0;   ///< upper end of the interval
 };
 
 /// Fraction of successes with the Clopper-Pearson interval, whose coverage is at least 95 %.
-/// @param all  ≥ 1
+/// @param successes  ≤ `all`
+/// @param all        ≥ 1
 [[nodiscard]] Estimated success_rate(std::uint64_t successes, std::uint64_t all);
 
 /// The q-quantile of a sorted sample, with a distribution-free interval between two order
@@ -42,33 +43,39 @@ struct Estimated {
 
 /// Distribution of one metric over the flights in which it is defined.
 struct MetricSpread {
-  Metric metric = Metric::duration;
-  std::uint64_t flights = 0;  ///< in which it is not NaN; infinite values count
-  double mean = 0;            ///< infinite if any value is
+  Metric metric = Metric::duration;  ///< the metric
+  std::uint64_t flights = 0;         ///< in which it is not NaN; infinite values count
+  double mean = 0;                   ///< infinite if any value is
   /// Standard deviation over the flights; infinite if any value is, NaN for one flight
   double deviation = 0;
-  double min = 0, max = 0;
-  Estimated median, percentile_5, percentile_95, percentile_99;
+  double min = 0,     ///< smallest value
+      max = 0;        ///< largest value
+  Estimated median,   ///< half of the flights are below it
+      percentile_5,   ///< 5 % of the flights are below it
+      percentile_95,  ///< 95 % of the flights are below it
+      percentile_99;  ///< 99 % of the flights are below it
 };
 
 /// Correlation of a metric with a drawn quantity.
 struct Sensitivity {
-  std::string quantity;
+  std::string quantity;   ///< name of an UncertainQuantity
   std::string figure;     ///< name of a metric, or "failure"
   Estimated correlation;  ///< rank correlation
 };
 
 /// A flight that deserves inspection.
 struct WorstFlight {
-  std::uint64_t number = 0;
-  std::string why;  ///< e.g. "safety exit: tilt at 3.2 s", "tracking_max 0.41 m of 0.3 m"
+  std::uint64_t number = 0;  ///< of the flight
+  std::string why;           ///< e.g. "safety exit: tilt at 3.2 s", "tracking_max 0.41 m of 0.3 m"
 };
 
 /// Statistics of one case.
 struct CaseStatistics {
-  std::string design, mission;
-  std::uint64_t flights = 0, passed = 0;
-  Estimated success;
+  std::string design,                         ///< name of the design
+      mission;                                ///< name of the mission
+  std::uint64_t flights = 0,                  ///< number of flights
+      passed = 0;                             ///< number of flights that passed
+  Estimated success;                          ///< success rate
   std::map<std::string, std::uint64_t> ends;  ///< "completed", "safety exit: tilt", …
   std::vector<MetricSpread> metrics;          ///< metrics that are defined in at least one flight
   std::vector<Sensitivity> sensitivities;     ///< strongest first
@@ -77,22 +84,28 @@ struct CaseStatistics {
 
 /// Comparison of two designs in the same mission on the same draws.
 struct CaseComparison {
-  std::string mission, first, second;
-  std::uint64_t only_first_passed = 0, only_second_passed = 0;
+  std::string mission,                  ///< name of the mission
+      first,                            ///< name of the first design
+      second;                           ///< name of the second design
+  std::uint64_t only_first_passed = 0,  ///< number of draws that only the first design passed
+      only_second_passed = 0;           ///< likewise the second
+  /// Difference of one metric on the same draws.
   struct Difference {
-    Metric metric = Metric::duration;
-    std::uint64_t flights = 0;  ///< in which both values are defined and finite
-    Estimated mean;             ///< of second - first
+    Metric metric = Metric::duration;  ///< the metric
+    std::uint64_t flights = 0;         ///< in which both values are defined and finite
+    Estimated mean;                    ///< of second - first
   };
-  std::vector<Difference> metrics;
+  std::vector<Difference> metrics;  ///< metrics that both designs have
 };
 
+/// The statistics of a campaign.
 struct CampaignStatistics {
-  std::vector<CaseStatistics> cases;
-  std::vector<CaseComparison> comparisons;
+  std::vector<CaseStatistics> cases;        ///< in the order of the campaign's cases
+  std::vector<CaseComparison> comparisons;  ///< each pair of designs in the same mission
 };
 
 /// Computes the statistics of a campaign.
+/// @param campaign  that was flown
 /// @param drawn    all_draws() of the campaign
 /// @param records  all records of the campaign, in order
 /// @param threads  as fly_all(), limited to a small number because each thread stores one metric of

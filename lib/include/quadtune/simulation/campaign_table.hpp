@@ -20,8 +20,11 @@ namespace quadtune {
 /// Writes the table as CSV. The file is complete or does not change. A metric that is undefined for
 /// a flight is empty; one that was not reached is `inf`. Numbers are written with full precision
 /// and read back as the same double.
-/// @param drawn    all_draws() of the campaign
-/// @param records  all records of the campaign, in order
+/// @param file         replaced if it exists
+/// @param campaign     that was flown
+/// @param drawn        all_draws() of the campaign
+/// @param records      all records of the campaign, in order
+/// @param interrupted  as fly_all()
 /// @throws FileError    with the path and the operating system's reason
 /// @throws Interrupted
 void write_campaign_csv(const std::filesystem::path& file, const Campaign& campaign,

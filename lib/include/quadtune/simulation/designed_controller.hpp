@@ -8,12 +8,14 @@
 namespace quadtune {
 
 /// Controller for a cascade from a design file.
-/// @param gains  computed if the file requests it
+/// @param design  limits, integration method and period
+/// @param gains   computed if the file requests it
 [[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
                                                    const CascadeGains& gains);
 
 /// Controller for a state feedback, with integral guards if its convention is uquad or ned.
-/// @param dt  control period [s]; that of the gains if they have one
+/// @param gains  in any convention
+/// @param dt     control period [s]; that of the gains if they have one
 [[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
 
 }  // namespace quadtune

@@ -32,7 +32,7 @@ struct GainSchedule;
 
 /// The cascade of PID loops with its limits.
 struct CascadeController {
-  CascadeGains gains;
+  CascadeGains gains;                           ///< gains of the loops
   PidMethod method = PidMethod::forward_euler;  ///< for the integrals
   double attitude_limit = 3;                    ///< of the references [rad]
   double integrator_limit = 2;                  ///< of |∫error| [error · s]
@@ -43,7 +43,7 @@ struct CascadeController {
 
 /// State feedback, sampled with the period `dt`.
 struct StateFeedbackController {
-  Gains gains;
+  Gains gains;    ///< gains in any convention
   double dt = 0;  ///< control period [s], > 0; that of the gains if they have one
   std::vector<IntegralGuard> guards;  ///< one per state; empty: the integrals are not limited
   /// If set, ScheduledFeedback takes K, K_int, x0 and u0 from the schedule in every period; `gains`
@@ -51,6 +51,7 @@ struct StateFeedbackController {
   std::shared_ptr<const GainSchedule> schedule = nullptr;
 };
 
+/// The control law of a flight.
 using Controller = std::variant<CascadeController, StateFeedbackController, OwnController>;
 
 /// Source of the state that the control law uses.
@@ -63,6 +64,8 @@ enum class EstimatorKind {
 };
 /// "mambo", "uquad", "general" and "truth", also accepted as input; "own" for output only.
 [[nodiscard]] std::string to_string(EstimatorKind kind);
+
+/// The estimator of a name.
 [[nodiscard]] EstimatorKind estimator_kind(const std::string& name, const std::string& where);
 
 /// Model of the optical flow sensor.
@@ -73,6 +76,8 @@ enum class FlowModel {
 };
 /// "full", "simplified", "off", also accepted as input.
 [[nodiscard]] std::string to_string(FlowModel model);
+
+/// The model of a name.
 [[nodiscard]] FlowModel flow_model(const std::string& name, const std::string& where);
 
 /// Limits beyond which the flight program aborts: it stops the motors, and the flight has failed.
@@ -91,12 +96,12 @@ struct FlightSetup {
   Vehicle vehicle;  ///< the model that law and estimator use
   /// The true vehicle with its sensors; empty: the same as `vehicle`
   std::optional<Vehicle> flown;
-  Mission mission;
-  Controller controller;
+  Mission mission;                                      ///< what the vehicle must do
+  Controller controller;                                ///< the law
   AllocationRule allocation = AllocationRule::clipped;  ///< for commands beyond the motors' limits
-  EstimatorKind estimator = EstimatorKind::mambo;
-  MamboEstimatorSettings<double> mambo_estimator;  ///< dt and gravity are set by fly()
-  UquadFilterSettings<double> uquad_filter;        ///< likewise
+  EstimatorKind estimator = EstimatorKind::mambo;       ///< source of the state that the law uses
+  MamboEstimatorSettings<double> mambo_estimator;       ///< dt and gravity are set by fly()
+  UquadFilterSettings<double> uquad_filter;             ///< likewise
   /// Noise assumed in addition to the sensor file, for the general filter
   GeneralFilterNoise general_noise;
   /// Settings of the general filter instead of those computed from the sensor file. fly() sets its
@@ -105,11 +110,11 @@ struct FlightSetup {
   OwnEstimator own_estimator;  ///< for EstimatorKind::own
   /// false: ideal sensors without delay, at the rates of the vehicle's sensors
   bool real_sensors = true;
-  FlowModel flow = FlowModel::full;
-  double flow_rate = 0;  ///< [Hz]; 0: rate of the vehicle's sensor
-  Environment environment;
-  SafetyLimits safety;
-  Integrator integrator = Integrator::bogacki_shampine_3;
+  FlowModel flow = FlowModel::full;  ///< model of the optical flow sensor
+  double flow_rate = 0;              ///< [Hz]; 0: rate of the vehicle's sensor
+  Environment environment;           ///< air, wind, gravity and magnetic field
+  SafetyLimits safety;               ///< limits beyond which the flight program aborts
+  Integrator integrator = Integrator::bogacki_shampine_3;  ///< method of the simulation
   /// Maximum integration step [s]; each control period has a whole number of steps
   double step = 0.005;
   double duration = 0;       ///< [s]; 0: duration of the mission
@@ -125,8 +130,10 @@ struct FlightSetup {
 /// The sensors that a setup flies with: those of its true vehicle, modified by the setup's options.
 [[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
 
-/// Control period of a setup's law, and duration of its flight [s].
+/// Control period of a setup's law [s].
 [[nodiscard]] double control_period(const FlightSetup& setup);
+
+/// Duration of a setup's flight [s].
 [[nodiscard]] double duration_of(const FlightSetup& setup);
 
 /// Settings of the general filter for a setup: sensors from the vehicle model, control period from
@@ -145,13 +152,13 @@ enum class FlightEnd {
 
 /// Result of a simulated flight.
 struct FlightResult {
-  FlightEnd end = FlightEnd::completed;
-  double end_time = 0;  ///< [s]
+  FlightEnd end = FlightEnd::completed;  ///< how the flight ended
+  double end_time = 0;                   ///< [s]
   /// After divergence: the state that left its range. After a safety exit due to a user-defined law
   /// or estimator: which of them, and its invalid entry. Otherwise empty.
   std::string culprit;
-  MetricValues metrics;
-  std::vector<LogEvent> events;
+  MetricValues metrics;                                              ///< of the whole flight
+  std::vector<LogEvent> events;                                      ///< in chronological order
   StateVector<double> final_state = StateVector<double>::Zero();     ///< true
   StateVector<double> final_estimate = StateVector<double>::Zero();  ///< final state estimate
   /// Number of integration steps
@@ -170,6 +177,7 @@ void calibrate_flow(FlightSetup& setup);
 void validate(const FlightSetup& setup);
 
 /// Simulates one flight.
+/// @param setup        accepted by validate()
 /// @param interrupted  called periodically; true aborts the flight with Interrupted
 /// @throws InvalidInput  as validate()
 [[nodiscard]] FlightResult fly(const FlightSetup& setup,
@@ -177,6 +185,7 @@ void validate(const FlightSetup& setup);
 
 /// Simulates many flights. Flights that differ only in numbers are computed several at a time in
 /// SIMD lanes. Each result is bit-identical to that of fly().
+/// @param setups       each accepted by validate()
 /// @param threads      number of threads, 0: one per processor; the result does not depend on it
 /// @param interrupted  called periodically; true aborts with Interrupted
 /// @throws InvalidInput  as validate(), naming the flight

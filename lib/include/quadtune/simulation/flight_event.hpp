@@ -29,8 +29,8 @@ struct LoadChange {
 /// An event. It takes effect in the first control period that begins at or after its time. Law and
 /// estimator are not informed.
 struct FlightEvent {
-  double time = 0;  ///< since the start of the mission [s], ≥ 0
-  std::variant<MotorFault, LoadChange> what;
+  double time = 0;                            ///< since the start of the mission [s], ≥ 0
+  std::variant<MotorFault, LoadChange> what;  ///< the event
 
   friend bool operator==(const FlightEvent&, const FlightEvent&) = default;
 };

@@ -42,9 +42,9 @@ class FlightLaw {
 
 /// A user-defined controller of a FlightSetup.
 struct OwnController {
-  std::string name;  ///< shown in logs and messages
-  double dt = 0;     ///< control period [s], 0.0001 to 1
-  InputKind input_kind = InputKind::wrench;
+  std::string name;                          ///< shown in logs and messages
+  double dt = 0;                             ///< control period [s], 0.0001 to 1
+  InputKind input_kind = InputKind::wrench;  ///< quantities that the law commands
   /// Creates the law of one flight, in the thread that simulates it.
   /// @param vehicle  model for the law
   std::function<std::unique_ptr<FlightLaw>(const Vehicle& vehicle)> make;

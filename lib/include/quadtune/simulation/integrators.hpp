@@ -49,6 +49,7 @@ template <class State>
   return combined([h](const auto& x_i, const auto& k_i) { return x_i + k_i * h; }, x, k);
 }
 
+/// One step of forward Euler; error O(h²).
 template <class State, class Derivative>
 [[nodiscard]] State euler_step(const Derivative& f, double t, const State& x, double h) {
   return moved(x, State(f(t, x)), h);
@@ -69,6 +70,7 @@ template <class State, class Derivative>
       x, k1, k2, k3);
 }
 
+/// One step of the classical Runge-Kutta method; error O(h⁵).
 template <class State, class Derivative>
 [[nodiscard]] State runge_kutta_4_step(const Derivative& f, double t, const State& x, double h) {
   const State k1 = f(t, x);
@@ -80,6 +82,7 @@ template <class State, class Derivative>
                   x, k1, k2, k3, k4);
 }
 
+/// One step by the given method.
 template <class State, class Derivative>
 [[nodiscard]] State integrator_step(Integrator method, const Derivative& f, double t,
                                     const State& x, double h) {

@@ -35,10 +35,13 @@ enum class Metric {
   touchdown_speed,  ///< maximum downward speed at touchdown [m/s]
   height_peak,      ///< maximum height above the highest reference so far [m]
 };
+/// Number of metrics.
 inline constexpr std::size_t kMetrics = static_cast<std::size_t>(Metric::height_peak) + 1;
 
-/// Name and unit, e.g. "settling_time" and "s"; the unit of a ratio is "1".
+/// Name of a metric, e.g. "settling_time".
 [[nodiscard]] const std::string& name_of(Metric metric);
+
+/// Unit of a metric, e.g. "s"; "1" for a ratio.
 [[nodiscard]] const std::string& unit_of(Metric metric);
 
 /// Names of all metrics, in order.
@@ -50,17 +53,19 @@ inline constexpr std::size_t kMetrics = static_cast<std::size_t>(Metric::height_
 /// Metrics of one flight. A metric that is undefined for the flight is NaN; one that was not
 /// reached, such as settling, is infinite.
 struct MetricValues {
-  std::array<double, kMetrics> value;
+  std::array<double, kMetrics> value;  ///< by Metric
 
   MetricValues() { value.fill(std::numeric_limits<double>::quiet_NaN()); }
+  /// Of one metric, for changes.
   double& operator[](Metric metric) { return value[static_cast<std::size_t>(metric)]; }
+  /// Of one metric.
   double operator[](Metric metric) const { return value[static_cast<std::size_t>(metric)]; }
 };
 
 /// Maximum accepted value of a metric.
 struct Limit {
-  Metric metric = Metric::duration;
-  double max = 0;  ///< in the metric's unit, ≥ 0
+  Metric metric = Metric::duration;  ///< which metric
+  double max = 0;                    ///< in the metric's unit, ≥ 0
 
   friend bool operator==(const Limit&, const Limit&) = default;
 };
@@ -79,24 +84,24 @@ struct SettlingRule {
   /// `band` and `yaw_band` [m, rad]. The larger of each pair applies. Steps and overshoot are
   /// always evaluated with `band` and `yaw_band`.
   double settled_band = 0;
-  double settled_yaw_band = 0;
+  double settled_yaw_band = 0;  ///< see settled_band [rad]
 
   friend bool operator==(const SettlingRule&, const SettlingRule&) = default;
 };
 
 /// Comparison of one metric of a flight with its limit.
 struct LimitCheck {
-  Metric metric = Metric::duration;
-  double value = 0;  ///< value of the metric; NaN if it is undefined
-  double bound = 0;
-  bool at_least = false;  ///< the bound is a minimum, otherwise a maximum
-  bool ok = false;        ///< false if the value is NaN
+  Metric metric = Metric::duration;  ///< which metric
+  double value = 0;                  ///< value of the metric; NaN if it is undefined
+  double bound = 0;                  ///< the limit
+  bool at_least = false;             ///< the bound is a minimum, otherwise a maximum
+  bool ok = false;                   ///< false if the value is NaN
 };
 
 /// Result of all limits of a mission.
 struct Verdict {
-  std::vector<LimitCheck> checks;
-  bool ok = false;  ///< whether every check is satisfied
+  std::vector<LimitCheck> checks;  ///< in the order of the mission's limits
+  bool ok = false;                 ///< whether every check is satisfied
 };
 
 }  // namespace quadtune

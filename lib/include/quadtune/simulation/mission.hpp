@@ -59,7 +59,7 @@ struct TimedReference {
 
 /// Timed references. The first is a step at time 0; each is complete before the next begins.
 struct Script {
-  std::vector<TimedReference> references;
+  std::vector<TimedReference> references;  ///< at least one
 
   friend bool operator==(const Script&, const Script&) = default;
 };
@@ -120,7 +120,7 @@ struct MotorTest {
 
 /// A vehicle that is carried along a path, level and with its motors off; see CarriedMotion.
 struct Carried {
-  SmoothPath path;
+  SmoothPath path;  ///< position over time
 
   friend bool operator==(const Carried&, const Carried&) = default;
 };
@@ -140,15 +140,15 @@ struct Landing {
 
 /// Complete definition of a mission.
 struct Mission {
-  std::string name;
-  std::string description;
-  double duration = 0;  ///< [s], > 0
-  MissionStart start;   ///< ignored if the vehicle is carried
-  MissionKind kind;
-  std::optional<Landing> landing;
+  std::string name;                 ///< e.g. "hover"
+  std::string description;          ///< one line; may be empty
+  double duration = 0;              ///< [s], > 0
+  MissionStart start;               ///< ignored if the vehicle is carried
+  MissionKind kind;                 ///< what the reference does
+  std::optional<Landing> landing;   ///< empty: the flight ends in the air
   std::vector<FlightEvent> events;  ///< times do not decrease; empty if the vehicle is carried
-  SettlingRule settling;
-  std::vector<Limit> limits;  ///< each metric at most once
+  SettlingRule settling;            ///< when the vehicle counts as being at the reference
+  std::vector<Limit> limits;        ///< each metric at most once
   /// Source file; empty if the mission is built in or was created in memory
   std::filesystem::path file;
   std::string text;  ///< content of the file, for the hash in the manifest
@@ -172,12 +172,15 @@ struct Mission {
 void validate(const Mission& mission, const std::string& where);
 
 /// Checks that the vehicle has the motors that the mission names.
-/// @param rotors  number of rotors of the vehicle
+/// @param mission  accepted by validate()
+/// @param rotors   number of rotors of the vehicle
+/// @param where    beginning of messages
 /// @throws InvalidInput  naming the motor
 void require_motors(const Mission& mission, int rotors, const std::string& where);
 
 /// Maximum size of a mission file, and of a reference file that it names [bytes].
 inline constexpr std::size_t kMissionFileLimit = std::size_t{1} << 20;
+/// Maximum size of a reference file that a mission names [bytes].
 inline constexpr std::size_t kScriptFileLimit = std::size_t{16} << 20;
 
 /// Loads a built-in mission by name or a mission file by path (docs/formats.md). A word that
@@ -189,6 +192,7 @@ inline constexpr std::size_t kScriptFileLimit = std::size_t{16} << 20;
 [[nodiscard]] Mission load_mission(const std::string& name_or_path);
 
 /// Parses a mission from the text of a file.
+/// @param text    content of the file
 /// @param origin  name of the text in messages
 /// @param folder  folder of the reference file that the mission may name
 /// @throws        as load_mission()

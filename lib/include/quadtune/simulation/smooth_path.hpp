@@ -25,10 +25,10 @@ enum class Nose {
 
 /// Motion of a path's parameter over time, and the yaw.
 struct Passage {
-  double begin = 0;  ///< start of the motion [s], ≥ 0
-  double ramp = 1;   ///< duration of the acceleration and of the deceleration [s], > 0
-  Nose nose = Nose::fixed;
-  double yaw = 0;  ///< for Nose::fixed [rad]
+  double begin = 0;         ///< start of the motion [s], ≥ 0
+  double ramp = 1;          ///< duration of the acceleration and of the deceleration [s], > 0
+  Nose nose = Nose::fixed;  ///< where the nose points
+  double yaw = 0;           ///< for Nose::fixed [rad]
 
   friend bool operator==(const Passage&, const Passage&) = default;
 };
@@ -38,7 +38,7 @@ struct LinePath {
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< world [m]
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< world [m]; different from `from`
   double speed = 0;                                ///< [m/s], > 0
-  Passage passage;
+  Passage passage;                                 ///< progress along the path and yaw
 
   friend bool operator==(const LinePath&, const LinePath&) = default;
 };
@@ -51,7 +51,7 @@ struct CirclePath {
   double bearing = 0;  ///< of the first point, seen from the centre [rad]; 0 is north
   double speed = 0;    ///< [m/s], > 0
   double turns = 1;    ///< > 0
-  Passage passage;
+  Passage passage;     ///< progress along the path and yaw
 
   friend bool operator==(const CirclePath&, const CirclePath&) = default;
 };
@@ -67,12 +67,12 @@ struct LemniscatePath {
   /// Duration of a lap at the constant rate [s], > 0
   double lap = 0;
   double laps = 1;  ///< > 0
-  Passage passage;
+  Passage passage;  ///< progress along the path and yaw
 
   friend bool operator==(const LemniscatePath&, const LemniscatePath&) = default;
 };
 
-using SmoothPath = std::variant<LinePath, CirclePath, LemniscatePath>;
+using SmoothPath = std::variant<LinePath, CirclePath, LemniscatePath>;  ///< Any of the paths.
 
 /// A point that moves along a path, world axes north-east-down.
 struct PathPoint {

@@ -22,12 +22,12 @@ enum class QuantityKind {
 
 /// A parameter that may be uncertain.
 struct UncertainQuantity {
-  std::string name;  ///< e.g. "mass", "wind_north", "gyroscope_noise"
-  std::string unit;  ///< of the drawn number; "1" for a ratio
-  QuantityKind kind = QuantityKind::ratio;
-  double min = 0;       ///< smallest accepted value
-  double max = 0;       ///< largest accepted value
-  std::string meaning;  ///< description in one line
+  std::string name;                         ///< e.g. "mass", "wind_north", "gyroscope_noise"
+  std::string unit;                         ///< of the drawn number; "1" for a ratio
+  QuantityKind kind = QuantityKind::ratio;  ///< how the drawn number is applied
+  double min = 0;                           ///< smallest accepted value
+  double max = 0;                           ///< largest accepted value
+  std::string meaning;                      ///< description in one line
 };
 
 /// All uncertain quantities, in the order of the documentation.
@@ -38,18 +38,19 @@ struct UncertainQuantity {
 [[nodiscard]] const UncertainQuantity& uncertain_quantity(const std::string& name,
                                                           const std::string& where);
 
+/// Kinds of distributions.
 enum class DistributionKind { normal, uniform, log_normal };
 /// "normal", "uniform", "log_normal".
 [[nodiscard]] std::string to_string(DistributionKind kind);
 
 /// Distribution of a number.
 struct Distribution {
-  DistributionKind kind = DistributionKind::normal;
-  double first = 0;   ///< mean; minimum; median (> 0)
+  DistributionKind kind = DistributionKind::normal;  ///< which distribution
+  double first = 0;                                  ///< mean; minimum; median (> 0)
   double second = 0;  ///< standard deviation; maximum; standard deviation of the logarithm
   /// Bounds. The distribution is truncated and renormalized, not clipped.
   double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();  ///< upper bound
 
   friend bool operator==(const Distribution&, const Distribution&) = default;
 };
@@ -57,12 +58,13 @@ struct Distribution {
 /// The value that corresponds to the standard normal number z: nondecreasing in z, and distributed
 /// as specified if z is standard normal.
 /// @param distribution  accepted by validate()
+/// @param z             any finite number
 [[nodiscard]] double value_at(const Distribution& distribution, double z);
 
 /// A quantity and its distribution.
 struct UncertainNumber {
-  std::string quantity;  ///< name of an UncertainQuantity
-  Distribution distribution;
+  std::string quantity;       ///< name of an UncertainQuantity
+  Distribution distribution;  ///< of the drawn number
 
   friend bool operator==(const UncertainNumber&, const UncertainNumber&) = default;
 };
@@ -88,7 +90,9 @@ void validate(const Uncertainty& uncertainty, const std::string& where);
                                    std::uint32_t flight);
 
 /// Applies drawn parameters to a flight. The models that law and estimator use do not change.
-/// @param drawn  (n) in the order of `numbers`
+/// @param uncertainty  names the parameters
+/// @param drawn        (n) in the order of `numbers`
+/// @param setup        its true vehicle, sensors and wind are changed
 /// @throws InvalidInput  for a parameter of a sensor, battery or rotor that the vehicle does not
 ///                       have, of the wind if the vehicle has no drag, or of a sensor in a flight
 ///                       with ideal sensors

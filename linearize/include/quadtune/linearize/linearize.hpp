@@ -16,13 +16,14 @@ namespace quadtune {
 
 /// Selects the states of a model.
 struct StateSelection {
+  /// Which states of a convention a model has.
   enum class Kind {
     full,  ///< all 12
     /// Without horizontal position and velocity: the states that can be estimated without GPS.
     no_position,
     list,  ///< the listed ones, in the order of the list
   };
-  Kind kind = Kind::full;
+  Kind kind = Kind::full;          ///< which states
   std::vector<std::string> names;  ///< state names of the convention; for Kind::list only
 };
 
@@ -38,9 +39,9 @@ struct StateSelection {
 
 /// The states and inputs of a linear model.
 struct LinearizeOptions {
-  std::string convention = "ned";  ///< name of a registered convention
-  InputKind inputs = InputKind::rotor_speed;
-  StateSelection states;
+  std::string convention = "ned";             ///< name of a registered convention
+  InputKind inputs = InputKind::rotor_speed;  ///< quantities that are the inputs of the model
+  StateSelection states;                      ///< states of the model; by default all
 };
 
 /// The options for the LQR problem of a design.
@@ -56,13 +57,14 @@ struct Linearization {
   TrimResult trim;      ///< in ned_convention() and rotor speeds
   ContinuousLti plant;  ///< A (nx × nx), B (nx × nu) with names and units; all NaN unless solved
   Eigen::VectorXd x0;   ///< (nx) trim of the selected states at the linearized instant
-  Eigen::VectorXd x0_rate;  ///< (nx) their time derivative in the trim
-  Eigen::VectorXd u0;       ///< (nu) trim of the inputs
-  std::string convention;   ///< name of the convention
-  InputKind input_kind = InputKind::rotor_speed;
+  Eigen::VectorXd x0_rate;                        ///< (nx) their time derivative in the trim
+  Eigen::VectorXd u0;                             ///< (nu) trim of the inputs
+  std::string convention;                         ///< name of the convention
+  InputKind input_kind = InputKind::rotor_speed;  ///< the quantities u
   /// Remarks for the reader, e.g. on dependence on states that were left out.
   std::vector<std::string> notes;
 
+  /// Whether there is a trim, and therefore a model.
   [[nodiscard]] bool solved() const { return trim.solved(); }
 };
 
@@ -71,8 +73,10 @@ struct Linearization {
 /// Inputs: rotor-speed (rad/s), rotor-thrust (N), wrench (N, N m; the rotors' angular momentum is
 /// constant), command (the motor's unit, without the direction sign).
 ///
+/// @param vehicle  of which `trimmed` is a trim
 /// @param trimmed  a trim of this vehicle; if it is not solved, the result is NaN with
 ///                 trim.culprit.
+/// @param options  states, inputs and convention of the model
 /// @throws InvalidInput  if the convention is unknown, the state selection is invalid, or A or B is
 ///                       not finite.
 [[nodiscard]] Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,

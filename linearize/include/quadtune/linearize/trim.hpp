@@ -36,9 +36,9 @@ struct TrimOptions {
 
 /// A steady flight with its evidence, or the reason why none was found.
 struct TrimResult {
-  TrimStatus status = TrimStatus::not_run;
-  FlightCondition condition;  ///< as requested
-  double density_ratio = 1;   ///< as requested
+  TrimStatus status = TrimStatus::not_run;  ///< solved, or the reason why there is no trim
+  FlightCondition condition;                ///< as requested
+  double density_ratio = 1;                 ///< as requested
   /// (12) state of ned_convention() with the position at the origin; NaN unless solved.
   Eigen::VectorXd x;
   Eigen::VectorXd u;       ///< (n) rotor speeds [rad/s]; NaN unless solved
@@ -54,6 +54,7 @@ struct TrimResult {
   int iterations = 0;   ///< total number of Newton steps
   std::string culprit;  ///< what is missing, and by how much; empty if solved
 
+  /// Whether there is a trim.
   [[nodiscard]] bool solved() const { return status == TrimStatus::solved; }
 };
 
@@ -67,6 +68,7 @@ struct TrimResult {
 /// @param vehicle    mass, gravity > 0; 1..16 rotors; it need not be able to fly.
 /// @param condition  speed ≥ 0; radius ≠ 0 and speed > 0 in a circle; yaw_rate ≠ 0 in a spin;
 ///                   fields that do not belong to its kind are 0.
+/// @param options    tolerance, number of steps, and the density of the air
 /// @param neighbour  a nearby trim, or nullptr: used as initial guess if its residual is smaller
 ///                   than that of the default guess. The same trim is found, up to rounding, in
 ///                   fewer steps.

@@ -27,8 +27,9 @@ struct ActuatorModel {
 };
 
 /// Builds the model of a vehicle near hover.
-/// @param inputs  the quantities that the law commands. For the wrench, the lag is the mean of the
-///                rotors' lags, which is exact if they are equal.
+/// @param vehicle  valid
+/// @param inputs   the quantities that the law commands. For the wrench, the lag is the mean of the
+///                 rotors' lags, which is exact if they are equal.
 /// @throws InvalidInput  if the vehicle cannot hover, or if only some of its rotors lag
 [[nodiscard]] ActuatorModel actuator_model(const Vehicle& vehicle, InputKind inputs);
 
@@ -41,9 +42,10 @@ struct ActuatorLqiWeights {
   Eigen::MatrixXd R_change;    ///< (nu × nu) symmetric, ≥ 0, or empty; requires past ≥ 1
 };
 
+/// The problem of actuator_lqi() except for its weights.
 struct ActuatorLqiOptions {
-  InputKind inputs = InputKind::wrench;
-  double dt = 0.005;  ///< control period [s], > 0
+  InputKind inputs = InputKind::wrench;  ///< quantities that the law commands
+  double dt = 0.005;                     ///< control period [s], > 0
   /// Number of whole control periods between a command and its arrival at the actuator, in
   /// [0, kMaxPastCommands]. Other delays of the loop, such as that of a gyroscope, have the same
   /// effect as a delay of the command and can be included here.
@@ -51,14 +53,15 @@ struct ActuatorLqiOptions {
   std::vector<std::string> integrals;  ///< names of integrated states, e.g. px py pz yaw
 };
 
+/// A law with the evidence that it is optimal.
 struct ActuatorLqi {
-  RiccatiResult riccati;
+  RiccatiResult riccati;  ///< of the plant with all its states
   /// The states are [12 states | m | u[k-1] … u[k-past] | integrals]. The plant is sampled exactly;
   /// the integrals are computed as the law computes them, i[k+1] = i[k] + dt x[k].
   DiscreteLti model;
   Gains gains;  ///< K, K_int, memory, heading axes, dt; all NaN unless solved
 
-  [[nodiscard]] bool solved() const { return riccati.solved(); }
+  [[nodiscard]] bool solved() const { return riccati.solved(); }  ///< whether there are gains
 };
 
 /// Designs u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) - K_lag (m - u0) - K_past (u[k-1] - u0 …).

@@ -55,7 +55,7 @@ struct CascadeLoopEvidence {
 
 /// Bounds on a loop. An infinite bound is inactive.
 struct CascadeLoopBounds {
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();  ///< no bound
 
   /// Crossover of the rate feedback alone [rad/s], met exactly; 0: chosen by the search.
   double rate_crossover = 0;
@@ -82,20 +82,22 @@ enum class CascadeLoopStatus {
 
 /// Gains with their evidence. Numbers are NaN unless solved.
 struct CascadeLoopDesign {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< unknown
 
-  CascadeLoopStatus status = CascadeLoopStatus::not_run;
-  PidGains gains = {kNaN, kNaN, kNaN, 0};
-  CascadeLoopEvidence evidence;
+  CascadeLoopStatus status = CascadeLoopStatus::not_run;  ///< solved, or why there are no gains
+  PidGains gains = {kNaN, kNaN, kNaN, 0};                 ///< of the loop; Tf is 0
+  CascadeLoopEvidence evidence;                           ///< margins and noise gains of the loop
   std::vector<std::string> binding;  ///< "Ms", "value noise", …: the active bounds, within 0.1 %
   /// The highest crossover of the rate feedback alone at which its max |S| is at most Ms_max
   /// [rad/s].
   double highest_rate_crossover = kNaN;
   std::string culprit;  ///< empty when solved
 
+  /// Whether there are gains.
   [[nodiscard]] bool solved() const { return status == CascadeLoopStatus::solved; }
 };
 
+/// Prints the status, then the gains and margins, or the culprit.
 std::ostream& operator<<(std::ostream& out, const CascadeLoopDesign& design);
 
 /// Computes the gains that reject a slowly varying load best within the bounds: the maximum Ki, or

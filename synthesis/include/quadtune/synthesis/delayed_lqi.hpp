@@ -32,7 +32,8 @@ struct AugmentedLqr {
 /// Delays the input: the plant is driven by u[k-delay], so that the law is
 /// u = -K x - Σ K_past,j u[k-j]. The minimum of the cost is reached by predicting the state:
 /// K_x = K A^delay and K_past,j = K A^(j-1) B with the gain K of the plant without delay.
-/// @param delay  [samples], 0 ≤ delay ≤ 2000
+/// @param problem  discrete, without a delay
+/// @param delay    [samples], 0 ≤ delay ≤ 2000
 /// @throws InvalidInput  as validate(), or if the delay is out of range
 [[nodiscard]] AugmentedLqr<DiscreteLti> with_input_delay(const AugmentedLqr<DiscreteLti>& problem,
                                                          int delay);

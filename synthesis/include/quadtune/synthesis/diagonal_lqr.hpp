@@ -36,6 +36,7 @@ class LqrDerivative {
   ///                       or the weights.
   LqrDerivative(const ContinuousLti& plant, const LqrWeights& weights,
                 const RiccatiResult& solution);
+  /// The same for a discrete problem.
   LqrDerivative(const DiscreteLti& plant, const LqrWeights& weights, const RiccatiResult& solution);
   ~LqrDerivative();
   LqrDerivative(LqrDerivative&&) noexcept;
@@ -97,6 +98,7 @@ class DiagonalLqr {
   /// Computes the derivative of [K K_int], stacked column by column, with respect to each weight.
   /// Multiplied by the weight, it is the derivative with respect to the logarithm of the weight.
   ///
+  /// @param w         (p) weights, > 0
   /// @param solution  solve(w), solved
   /// @return          (nu (nx + ni) × p)
   /// @throws InvalidInput  for the reasons of weights() and LqrDerivative.
@@ -104,7 +106,9 @@ class DiagonalLqr {
                                          const RiccatiResult& solution) const;
 
   /// Computes the gradient of Σ Y_ij K_ij with respect to all weights by one back-substitution.
-  /// @param Y  (nu × (nx + ni))
+  /// @param w         (p) weights, > 0
+  /// @param solution  solve(w), solved
+  /// @param Y         (nu × (nx + ni))
   [[nodiscard]] Eigen::VectorXd gradient(const Eigen::Ref<const Eigen::VectorXd>& w,
                                          const RiccatiResult& solution,
                                          const Eigen::Ref<const Eigen::MatrixXd>& Y) const;
@@ -123,6 +127,8 @@ class DiagonalLqr {
 /// inverse: it returns `design` with diagonal weight matrices that hold w.
 /// @throws InvalidInput  if a weight matrix is not diagonal, or if w has the wrong size.
 [[nodiscard]] Eigen::VectorXd diagonals_of(const LqrDesign& design);
+
+/// The design with these diagonals (p), in the order of diagonals_of().
 [[nodiscard]] LqrDesign with_diagonals(LqrDesign design,
                                        const Eigen::Ref<const Eigen::VectorXd>& w);
 

@@ -22,14 +22,16 @@ enum class FlownAxis {
   altitude,  ///< pz, w by T
   yaw,       ///< yaw, r by tau_z
 };
+/// All groups, in the order of FlownAxis.
 inline constexpr std::array<FlownAxis, 4> kFlownAxes = {FlownAxis::north, FlownAxis::east,
                                                         FlownAxis::altitude, FlownAxis::yaw};
 /// "north", "east", "altitude", "yaw".
 [[nodiscard]] std::string to_string(FlownAxis axis);
 
 /// Returns the states of ned_convention() that the law of a group uses, position or angle first.
-/// wrench_of() returns the index of its component of the wrench.
 [[nodiscard]] const std::vector<Eigen::Index>& states_of(FlownAxis axis);
+
+/// The index of the group's component of the wrench [T τx τy τz].
 [[nodiscard]] Eigen::Index wrench_of(FlownAxis axis);
 
 /// The part of a flown plant between a group's component of the wrench and the estimates of its
@@ -49,8 +51,10 @@ struct AxisWeights {
 
 /// Formulates the cost of a group as an output feedback problem. The cost weights the true states
 /// where the sensors observe them, and the estimates otherwise.
-/// @param part  result of axis_part()
-/// @param now   see with_integrals(); the integral is present if weights.q_integral > 0
+/// @param part     result of axis_part()
+/// @param axis     the group
+/// @param weights  of the states of the group, of its integral and of its input
+/// @param now      see with_integrals(); the integral is present if weights.q_integral > 0
 /// @throws InvalidInput  if the weights have the wrong size
 [[nodiscard]] OutputFeedbackProblem axis_problem(const PeriodicLti& part, FlownAxis axis,
                                                  const AxisWeights& weights, double now);

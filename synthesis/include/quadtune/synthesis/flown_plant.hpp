@@ -37,7 +37,7 @@ struct FlownPlantOptions {
 /// Inputs: deviations of the law's commands from trim. Outputs: deviations of the estimates of the
 /// 12 states of ned_convention() from the hover, at the time when the law computes its command.
 struct FlownPlant {
-  PeriodicLti plant;
+  PeriodicLti plant;               ///< sampled with the control period, from commands to estimates
   std::vector<Signal> drifts;      ///< true states that no sensor observes, e.g. px, py, yaw
   Eigen::VectorXd scale;           ///< typical magnitude of each state of `plant`, for comparisons
   std::vector<std::string> notes;  ///< omissions and roundings, one sentence each
@@ -54,7 +54,8 @@ struct FlownPlant {
 /// if FlownPlantOptions::noise is set, their white noise, random walks, correlated errors and, as
 /// white noise, quantization. It omits biases that do not change, range, vibration and lost
 /// samples.
-/// @param setup  vehicle, flown vehicle, sensors, estimator and environment are used
+/// @param setup    vehicle, flown vehicle, sensors, estimator and environment are used
+/// @param options  height, inputs, delay and noise of the plant
 /// @throws InvalidInput  if the period, the height or the delay is out of range, if the delay of a
 ///                       sensor exceeds kMaxDelayPeriods control periods, or if the vehicle cannot
 ///                       hover; the message names the cause
@@ -72,6 +73,8 @@ struct FlownPlant {
 
 /// The law of a setup. input_kind() returns the quantities that it commands.
 [[nodiscard]] DiscreteLti flown_law(const FlightSetup& setup);
+
+/// The quantities that the law of a setup commands.
 [[nodiscard]] InputKind input_kind(const FlightSetup& setup);
 
 }  // namespace quadtune

@@ -48,6 +48,7 @@ struct FrequencyDataMargins {
 /// which changes by less than π, are linear in log w. Crossovers are exact for this interpolation;
 /// peaks are those of the interpolated curve. Nothing is extrapolated: a margin whose crossover
 /// lies outside the data is infinite.
+/// @param L       accepted by validate()
 /// @param stable  whether the closed loop is stable, as a loop that was measured in flight is
 /// @param skew    of the disk, as for loop_margins()
 /// @throws InvalidInput  as validate(), or if the skew is not finite

@@ -19,10 +19,13 @@ struct InvariantZeros {
 
 /// Removes the parts of the system that have no finite zeros, by orthogonal transformations, until
 /// D is regular; the zeros are then the eigenvalues of A - B D⁻¹ C.
+/// @param plant      any numbers of inputs and outputs
 /// @param tolerance  relative to the norm of the system, below which singular values count as 0
 /// @throws InvalidInput  as validate()
 /// Source: Emami-Naeini and Van Dooren 1982.
 [[nodiscard]] InvariantZeros invariant_zeros(const ContinuousLti& plant, double tolerance = 1e-11);
+
+/// The same for a discrete system.
 [[nodiscard]] InvariantZeros invariant_zeros(const DiscreteLti& plant, double tolerance = 1e-11);
 
 }  // namespace quadtune

@@ -35,16 +35,18 @@ struct KalmanResult {
   Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - L C
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< as RiccatiResult::residual
   double rcond = std::numeric_limits<double>::quiet_NaN();     ///< as RiccatiResult::rcond
-  int iterations = 0;
+  int iterations = 0;                                          ///< steps of the solver
   std::string culprit;  ///< e.g. "mode at 1: bias cannot be observed by the measurements"
   std::string warning;  ///< as RiccatiResult::warning, about L
 
+  /// Whether there is a filter.
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
 };
 
 /// Computes the steady-state filter of x[k+1] = A x + B u + G w, y = C x + v.
 ///
 /// @param model  A, C (ny × nx) and the state names; B may be empty
+/// @param noise  covariances per step
 /// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetric or indefinite
 ///                       covariances.
 [[nodiscard]] KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise);

@@ -20,8 +20,8 @@ enum class LqgEstimate {
 /// A regulator with its evidence. It is defined only if both equations are solved.
 template <class Lti>
 struct LqgRegulator {
-  RiccatiResult lqr;
-  KalmanResult filter;
+  RiccatiResult lqr;    ///< the state feedback
+  KalmanResult filter;  ///< the Kalman filter
   /// From y to -u, so that the loop has negative feedback: its states are the estimates x̂
   /// (discrete: x̂[k|k-1]).
   Lti controller;
@@ -31,12 +31,15 @@ struct LqgRegulator {
   Eigen::VectorXd input_rms;  ///< (nu) likewise of u
   Eigen::VectorXcd poles;     ///< (2 nx) of the closed loop: those of A - B K and of A - L C
 
+  /// Whether both equations are solved.
   [[nodiscard]] bool solved() const { return lqr.solved() && filter.solved(); }
 };
 
 /// Computes u = -K x̂ with
 ///     x̂' = A x̂ + B u + L (y - C x̂ - D u).
 /// @param plant    nx states, nu inputs, ny measurements C x + D u
+/// @param weights  of the states and inputs
+/// @param noise    spectral densities of process and measurement noise
 /// @throws InvalidInput  as lqr() and kalman()
 [[nodiscard]] LqgRegulator<ContinuousLti> lqg_regulator(const ContinuousLti& plant,
                                                         const LqrWeights& weights,

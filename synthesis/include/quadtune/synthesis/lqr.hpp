@@ -43,12 +43,15 @@ struct SampledLqr {
 };
 
 /// Samples a continuous problem exactly.
-/// @param dt  sample period [s], > 0
+/// @param plant    nx states, nu inputs
+/// @param weights  of the integral of the cost
+/// @param dt       sample period [s], > 0
 /// Source: Van Loan 1978.
 [[nodiscard]] SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt);
 
 /// Appends ∫ of the listed states to the plant, as states named "int_x" with unit "m s".
 ///
+/// @param plant       nx states, all named
 /// @param integrated  names of states of `plant`
 /// @throws InvalidInput  if a name is not a state or is listed twice.
 [[nodiscard]] ContinuousLti with_integrals(const ContinuousLti& plant,
@@ -57,6 +60,7 @@ struct SampledLqr {
 /// Returns the weights of the augmented plant: diag(Q, Q_integral), R, and N with zero rows for the
 /// integrals.
 ///
+/// @param weights     of the plant without integrals
 /// @param Q_integral  (ni × ni) symmetric, ≥ 0
 [[nodiscard]] LqrWeights with_integral_weights(const LqrWeights& weights,
                                                const Eigen::Ref<const Eigen::MatrixXd>& Q_integral);

@@ -19,12 +19,13 @@ enum class LyapunovStatus {
 
 /// The solution with its evidence.
 struct LyapunovResult {
-  LyapunovStatus status = LyapunovStatus::not_run;
-  Eigen::MatrixXd X;  ///< (nx × nx) symmetric; all NaN unless solved
+  LyapunovStatus status = LyapunovStatus::not_run;  ///< solved, or why there is no solution
+  Eigen::MatrixXd X;                                ///< (nx × nx) symmetric; all NaN unless solved
   /// ‖residual‖ over the sum of the norms of the terms, Frobenius.
   double residual = std::numeric_limits<double>::quiet_NaN();
   std::string culprit;  ///< the pair of eigenvalues that causes it; empty when solved
 
+  /// Whether there is a solution.
   [[nodiscard]] bool solved() const { return status == LyapunovStatus::solved; }
 };
 
@@ -54,10 +55,13 @@ struct PeakGain {
 /// so that no peak between frequencies is missed. A discrete plant is mapped to a continuous one
 /// with the same norm.
 ///
+/// @param plant      any; the gain is infinite if a pole is on the stability boundary
 /// @param tolerance  relative, in (0, 0.1]
 /// @throws InvalidInput  for the reasons of validate(), or if the tolerance is out of range
 /// Source: Bruinsma and Steinbuch 1990.
 [[nodiscard]] PeakGain peak_gain(const ContinuousLti& plant, double tolerance = 1e-10);
+
+/// The same for a discrete plant.
 [[nodiscard]] PeakGain peak_gain(const DiscreteLti& plant, double tolerance = 1e-10);
 
 /// Computes √trace(∫ g gᵀ dt) of the impulse response g. Its square is the variance of the output
@@ -72,12 +76,16 @@ struct PeakGain {
 /// @throws InvalidInput  if a pole is not stable, because the integral then diverges; the message
 ///                       names the pole
 [[nodiscard]] Eigen::MatrixXd controllability_gramian(const ContinuousLti& plant);
+
+/// The same for a discrete plant.
 [[nodiscard]] Eigen::MatrixXd controllability_gramian(const DiscreteLti& plant);
 
 /// Solves Aᵀ Wo + Wo A + Cᵀ C = 0 (discrete: Aᵀ Wo A - Wo + Cᵀ C = 0) for Wo (nx × nx). xᵀ Wo x is
 /// the energy of the output with the initial state x and no input. Errors as
 /// controllability_gramian().
 [[nodiscard]] Eigen::MatrixXd observability_gramian(const ContinuousLti& plant);
+
+/// The same for a discrete plant.
 [[nodiscard]] Eigen::MatrixXd observability_gramian(const DiscreteLti& plant);
 
 }  // namespace quadtune

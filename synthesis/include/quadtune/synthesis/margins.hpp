@@ -60,9 +60,10 @@ struct LoopMargins {
   double w_Ms = 0;  ///< [rad/s]
   double Mt = 0;    ///< max |T|, T = L/(1 + L)
   double w_Mt = 0;  ///< [rad/s]
-  DiskMargin disk;
+  DiskMargin disk;  ///< simultaneous variation of gain and phase
 };
 
+/// Prints stability and all margins in one line.
 std::ostream& operator<<(std::ostream& out, const LoopMargins& margins);
 
 /// Computes the margins of a loop with one channel, continuous (with delay) or discrete. The

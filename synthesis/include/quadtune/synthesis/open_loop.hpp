@@ -19,12 +19,13 @@ class OpenLoop {
   /// @throws InvalidInput  if L is not proper, has no pole or is not square, or if the closed loop
   ///                       is algebraic (I + D is singular).
   explicit OpenLoop(const ContinuousTransferFunction& L);
+  /// The same for a discrete transfer function.
   explicit OpenLoop(const DiscreteTransferFunction& L);
   /// @param L      as many outputs as inputs
   /// @param delay  [s], ≥ 0; must be 0 if there are several channels. In a discrete loop, states
   ///               represent the delay.
   explicit OpenLoop(const ContinuousLti& L, double delay = 0);
-  explicit OpenLoop(const DiscreteLti& L);
+  explicit OpenLoop(const DiscreteLti& L);  ///< the same for a discrete system
 
   /// Computes L(jω) e^(-jω delay), or L(e^(jω dt)).
   /// @param w  [rad/s]; infinite for the feed-through of a continuous loop
@@ -41,11 +42,11 @@ class OpenLoop {
   [[nodiscard]] const Eigen::MatrixXd& C() const { return C_; }  ///< (n × nx)
   [[nodiscard]] const Eigen::MatrixXd& D() const { return D_; }  ///< (n × n)
 
-  [[nodiscard]] Eigen::Index size() const { return D_.rows(); }
-  [[nodiscard]] bool discrete() const { return dt_ > 0; }
-  [[nodiscard]] double dt() const { return dt_; }        ///< [s]; 0 if continuous
-  [[nodiscard]] double delay() const { return delay_; }  ///< [s] in addition to the states
-  [[nodiscard]] Eigen::VectorXcd poles() const;          ///< poles of L
+  [[nodiscard]] Eigen::Index size() const { return D_.rows(); }  ///< n, the number of channels
+  [[nodiscard]] bool discrete() const { return dt_ > 0; }        ///< whether the loop is sampled
+  [[nodiscard]] double dt() const { return dt_; }                ///< [s]; 0 if continuous
+  [[nodiscard]] double delay() const { return delay_; }          ///< [s] in addition to the states
+  [[nodiscard]] Eigen::VectorXcd poles() const;                  ///< poles of L
   /// Poles of the closed loop without the delay.
   [[nodiscard]] Eigen::VectorXcd closed_loop_poles() const;
   /// Zeros of a loop with one channel.
@@ -76,15 +77,20 @@ class OpenLoop {
 [[nodiscard]] std::vector<double> frequency_grid(const OpenLoop& loop);
 
 /// Computes the open loop of u = -K x cut at the plant's inputs: K (sI - A)⁻¹ B.
-/// @param K  (nu × nx)
+/// @param plant  nx states, nu inputs; C and D are not used
+/// @param K      (nu × nx)
 [[nodiscard]] OpenLoop loop_at_inputs(const ContinuousLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
+
+/// The same for a discrete plant.
 [[nodiscard]] OpenLoop loop_at_inputs(const DiscreteLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
 
 /// Computes the open loop of u = -K x cut at the measured states: (sI - A)⁻¹ B K.
 [[nodiscard]] OpenLoop loop_at_states(const ContinuousLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
+
+/// The same for a discrete plant.
 [[nodiscard]] OpenLoop loop_at_states(const DiscreteLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
 

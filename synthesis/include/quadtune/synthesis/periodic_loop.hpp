@@ -37,14 +37,16 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// Removes the states that no input affects or that affect no output, as determined from the zero
 /// pattern of the matrices. Such states are not part of a loop: the true position of a vehicle
 /// without a position sensor, or a constant bias.
-/// @param kept  if not null, receives the indices of the states that were kept, in order
+/// @param plant  any periodic system
+/// @param kept   if not null, receives the indices of the states that were kept, in order
 [[nodiscard]] PeriodicLti loop_part(const PeriodicLti& plant,
                                     std::vector<Eigen::Index>* kept = nullptr);
 
 /// Computes the open loop L, cut at the plant's inputs. L under negative feedback is the closed
 /// loop.
-/// @param law  inputs are the plant's outputs, outputs its inputs
-/// @return     states of the plant, then of the law; inputs and outputs are the plant's inputs
+/// @param plant  sampled with the period of the law
+/// @param law    inputs are the plant's outputs, outputs its inputs
+/// @return       states of the plant, then of the law; inputs and outputs are the plant's inputs
 /// @throws InvalidInput  if the sizes or the control periods of plant and law disagree
 [[nodiscard]] PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law);
 
@@ -54,7 +56,8 @@ void validate(const PeriodicLti& plant, const std::string& where);
 [[nodiscard]] PeriodicLti cut_at_outputs(const PeriodicLti& plant, const DiscreteLti& law);
 
 /// Computes the open loop of one channel with all other channels closed.
-/// @param loop  under negative feedback, as many inputs as outputs
+/// @param loop   under negative feedback, as many inputs as outputs
+/// @param index  of the channel, 0 ≤ index < number of channels
 [[nodiscard]] PeriodicLti channel(const PeriodicLti& loop, Eigen::Index index);
 
 /// Computes the channels of a loop, each reduced to the states that are coupled to it when all
@@ -78,6 +81,7 @@ struct NamedMode {
 };
 
 /// Computes the mode with the largest |z|.
+/// @param A       (nx × nx) the matrices of one period, in their order
 /// @param states  one name for each state
 /// @param scale   a typical magnitude of each state, > 0
 [[nodiscard]] NamedMode largest_mode(const std::vector<Eigen::MatrixXd>& A,

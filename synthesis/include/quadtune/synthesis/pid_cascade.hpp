@@ -29,13 +29,14 @@ struct CascadeVehicle {
 
 /// One designed loop and, if there is one, its published counterpart.
 struct CascadeAxisDesign {
-  CascadeAxis axis = CascadeAxis::x;
+  CascadeAxis axis = CascadeAxis::x;       ///< the loop, by the quantity that it controls
   CascadeLoopBounds bounds;                ///< bounds of the design
   CascadeLoopDesign design;                ///< gains in the sign of the loop; Kd > 0 damps
   std::optional<PidGains> published;       ///< with the same sign convention
   CascadeLoopEvidence published_evidence;  ///< with the published inner loop
 };
 
+/// The loops of a cascade with their evidence.
 struct PidCascade {
   CascadeGains gains;                    ///< empty unless all loops are solved
   std::vector<CascadeAxisDesign> loops;  ///< inner loops first; ends with the first unsolved one
@@ -43,6 +44,7 @@ struct PidCascade {
   Eigen::VectorXcd poles;          ///< of the closed loop with all axes; empty unless solved
   std::vector<std::string> notes;  ///< e.g. that the axes are coupled
 
+  /// Whether all loops are designed.
   [[nodiscard]] bool solved() const { return !gains.loops.empty(); }
   /// The loop that could not be designed; only if not solved().
   [[nodiscard]] const CascadeAxisDesign& failed() const { return loops.back(); }

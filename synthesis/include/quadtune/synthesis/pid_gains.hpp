@@ -29,6 +29,7 @@ struct PidGains {
   [[nodiscard]] std::complex<double> operator()(std::complex<double> s) const;
 };
 
+/// Prints the four numbers in one line.
 std::ostream& operator<<(std::ostream& out, const PidGains& gains);
 
 /// Computes C(s) P(s), with the delay of the plant. Terms whose gain is 0 add no poles and zeros. A

@@ -19,12 +19,12 @@ enum class PidFreedom {
 
 /// Requirements on the loop.
 struct LoopRequirement {
-  PidType type = PidType::PID;
-  double crossover = 0;     ///< where |L| = 1 [rad/s], > 0
-  double phase_margin = 0;  ///< arg L + π there [rad], in (0, π)
-  double Tf = 0;            ///< time constant of the derivative filter [s], ≥ 0
-  PidFreedom freedom = PidFreedom::Ti_is_4_Td;
-  double Ms_max = 2;  ///< maximum of |S| for max_Ki, > 1
+  PidType type = PidType::PID;  ///< which terms the controller has
+  double crossover = 0;         ///< where |L| = 1 [rad/s], > 0
+  double phase_margin = 0;      ///< arg L + π there [rad], in (0, π)
+  double Tf = 0;                ///< time constant of the derivative filter [s], ≥ 0
+  PidFreedom freedom = PidFreedom::Ti_is_4_Td;  ///< how the freedom of a PID is used
+  double Ms_max = 2;                            ///< maximum of |S| for max_Ki, > 1
 };
 
 /// How a synthesis ended.
@@ -42,10 +42,10 @@ enum class PidLoopStatus {
 
 /// Gains with the evidence that the loop meets the requirement. Numbers are NaN unless solved.
 struct PidLoopDesign {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< unknown
 
-  PidLoopStatus status = PidLoopStatus::not_run;
-  PidGains gains = {kNaN, kNaN, kNaN, kNaN};
+  PidLoopStatus status = PidLoopStatus::not_run;  ///< solved, or why there are no gains
+  PidGains gains = {kNaN, kNaN, kNaN, kNaN};      ///< of the controller
   double crossover = kNaN;     ///< [rad/s] at the minimum margin, recomputed from the loop
   double phase_margin = kNaN;  ///< [rad] at that crossover
   double Ms = kNaN;            ///< max |1/(1 + L)|
@@ -56,12 +56,14 @@ struct PidLoopDesign {
   /// requirements unchanged, computed by a scan and bisection. 0 and infinite if the scan found no
   /// limit; NaN if no crossover is feasible.
   double lowest_crossover = kNaN;
-  double highest_crossover = kNaN;
+  double highest_crossover = kNaN;  ///< see lowest_crossover [rad/s]
   std::string culprit;  ///< the obstacle, and which crossovers are feasible; empty when solved
 
+  /// Whether there are gains.
   [[nodiscard]] bool solved() const { return status == PidLoopStatus::solved; }
 };
 
+/// Prints the status, then gains, crossover and margins, or the culprit.
 std::ostream& operator<<(std::ostream& out, const PidLoopDesign& design);
 
 /// Solves C(jωc) P(jωc) = e^(j(φm - π)) for the gains, all of one sign.

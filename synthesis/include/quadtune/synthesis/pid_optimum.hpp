@@ -35,20 +35,22 @@ enum class PidOptimumStatus {
 
 /// Gains with their evidence. Numbers are NaN unless solved.
 struct PidOptimum {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< unknown
 
-  PidOptimumStatus status = PidOptimumStatus::not_run;
-  PidGains gains = {kNaN, kNaN, kNaN, kNaN};
-  double Ms = kNaN;
-  double Mt = kNaN;
-  double noise_gain = kNaN;          ///< max |C S|
+  PidOptimumStatus status = PidOptimumStatus::not_run;  ///< solved, or why there are no gains
+  PidGains gains = {kNaN, kNaN, kNaN, kNaN};            ///< of the controller
+  double Ms = kNaN;                                     ///< maximum of |S|
+  double Mt = kNaN;                                     ///< maximum of |T|
+  double noise_gain = kNaN;                             ///< max |C S|
   std::vector<std::string> binding;  ///< "Ms", "Mt", "noise gain": active within 0.1 %
   int evaluations = 0;               ///< how often Ki was maximized for given Kp and Kd
   std::string culprit;               ///< empty when solved
 
+  /// Whether there are gains.
   [[nodiscard]] bool solved() const { return status == PidOptimumStatus::solved; }
 };
 
+/// Prints the status, then gains and peaks, or the culprit.
 std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum);
 
 /// Maximizes |Ki| within the bounds. Its inverse is the integral of the error after a unit load

@@ -31,7 +31,7 @@ struct LagFit {
   Model model;          ///< all NaN unless fitted
   std::string culprit;  ///< e.g. "the pole at 0 does not settle"; empty when fitted
 
-  [[nodiscard]] bool fitted() const { return culprit.empty(); }
+  [[nodiscard]] bool fitted() const { return culprit.empty(); }  ///< whether there is a model
 };
 
 /// Computes the first-order model whose step response equals that of the plant at 28.3 % and 63.2 %
@@ -50,6 +50,8 @@ struct LagFit {
 /// @throws InvalidInput  for the reasons of validate()
 /// Source: Skogestad 2003, section 3.
 [[nodiscard]] LagFit<FopdtModel> half_rule_fopdt(const ContinuousTransferFunction& plant);
+
+/// The same with two lags.
 [[nodiscard]] LagFit<SopdtModel> half_rule_sopdt(const ContinuousTransferFunction& plant);
 
 /// N of the derivative filter Tf = Td / N that all rules below add; the sources do not prescribe
@@ -58,7 +60,9 @@ inline constexpr double kPidFilterRatio = 10;
 
 /// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2}, Ti = L/0.3 (PI), 2
 /// L (PID), Td = L/2.
-/// @param type  P, PI or PID
+/// @param type   P, PI or PID
+/// @param model  fitted to the step response
+/// @param N      Tf = Td / N, > 0
 /// @throws InvalidInput  unless the gain is finite and not 0, T > 0 and L > 0; for type PD.
 /// Source: Ziegler and Nichols 1942.
 [[nodiscard]] PidGains ziegler_nichols_step(PidType type, const FopdtModel& model,
@@ -69,6 +73,7 @@ inline constexpr double kPidFilterRatio = 10;
 /// @param type             P, PI or PID
 /// @param ultimate_gain    Ku, the gain at which a proportional loop oscillates; not 0
 /// @param ultimate_period  Tu, of that oscillation [s], > 0
+/// @param N                Tf = Td / N, > 0
 /// @throws InvalidInput  if a number is out of range; for type PD.
 /// Source: Ziegler and Nichols 1942.
 [[nodiscard]] PidGains ziegler_nichols_ultimate(PidType type, double ultimate_gain,
@@ -93,12 +98,15 @@ inline constexpr double kPidFilterRatio = 10;
 ///     PID  K = (0.2 + 0.45 T/L)/gain,  Ti = L (0.4 L + 0.8 T)/(L + 0.1 T),
 ///          Td = 0.5 L T/(0.3 L + T)
 ///
-/// @param type  PI or PID
+/// @param type   PI or PID
+/// @param model  fitted to the plant
+/// @param N      Tf = Td / N, > 0
 /// @throws InvalidInput  unless the gain is finite and not 0, T > 0 and L > 0; for other types.
 /// Source: Åström and Hägglund 2006, chapter 7.
 [[nodiscard]] PidGains amigo(PidType type, const FopdtModel& model, double N = kPidFilterRatio);
 
 /// SIMC, PI: K = T/(gain (tau_c + L)), Ti = min(T, 4 (tau_c + L)).
+/// @param model  fitted to the plant
 /// @param tau_c  desired time constant of the closed loop [s], > -L; the source recommends L for
 ///               tight control
 /// @throws InvalidInput  unless the gain is finite and not 0, T > 0, L ≥ 0 and tau_c + L > 0.
@@ -117,7 +125,9 @@ inline constexpr double kPidFilterRatio = 10;
 ///     PID  K = (T + L/2)/(gain (lambda + L/2)),  Ti = T + L/2,  Td = T L/(2 T + L)
 ///
 /// @param type    PI or PID
+/// @param model   fitted to the plant
 /// @param lambda  desired time constant of the closed loop [s], > 0
+/// @param N       Tf = Td / N, > 0
 /// @throws InvalidInput  unless the gain is finite and not 0, T > 0, L ≥ 0; for other types.
 /// Source: Rivera, Morari, Skogestad 1986.
 [[nodiscard]] PidGains lambda_tuning(PidType type, const FopdtModel& model, double lambda,
@@ -126,6 +136,7 @@ inline constexpr double kPidFilterRatio = 10;
 /// Pole placement: the PI controller for gain/(T s + 1) whose closed-loop poles are the roots of
 /// s² + 2 zeta w0 s + w0² = 0:
 /// Kp = (2 zeta w0 T - 1)/gain, Ki = w0² T/gain.
+/// @param gain           of the plant [output / input], not 0
 /// @param time_constant  T [s], > 0
 /// @param w0             [rad/s], > 0
 /// @param zeta           damping ratio, > 0

@@ -21,13 +21,14 @@ enum class PolePlacementStatus {
 
 /// A gain with its evidence.
 struct PolePlacement {
-  PolePlacementStatus status = PolePlacementStatus::not_run;
+  PolePlacementStatus status = PolePlacementStatus::not_run;  ///< solved, or why there is no gain
   Eigen::MatrixXd K;       ///< (nu × nx) gain of u = -K x; all NaN unless solved
   Eigen::VectorXcd poles;  ///< (nx) computed eigenvalues of A - B K; empty unless solved
   /// The largest distance between a requested pole and the computed one that is paired with it.
   double error = std::numeric_limits<double>::quiet_NaN();
   std::string culprit;  ///< e.g. "mode at 2 cannot be controlled"; empty when solved
 
+  /// Whether there is a gain.
   [[nodiscard]] bool solved() const { return status == PolePlacementStatus::solved; }
 };
 

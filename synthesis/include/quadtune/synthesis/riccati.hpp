@@ -43,18 +43,19 @@ enum class RiccatiProblem {
 struct RiccatiOptions {
   double relative_tolerance = 1e-12;  ///< of RiccatiResult::residual if well-conditioned
   int max_iterations = 60;            ///< doubling steps; eight is typical
-  RiccatiEvidence evidence = RiccatiEvidence::full;
+  RiccatiEvidence evidence = RiccatiEvidence::full;  ///< how much evidence is computed
   /// Whether a Q with a negative eigenvalue that exceeds rounding is rejected with InvalidInput. If
   /// not, the equation is solved nevertheless (published test problems have such a Q), and
   /// RiccatiResult::warning states the eigenvalue.
   bool reject_indefinite_Q = false;
+  /// Names the culprit as for a regulator or for a filter.
   RiccatiProblem problem = RiccatiProblem::regulator;
   std::vector<std::string> state_names;  ///< nx names for the culprit; empty: "state 1", …
 };
 
 /// A stabilizing solution with its evidence.
 struct RiccatiResult {
-  RiccatiStatus status = RiccatiStatus::not_run;
+  RiccatiStatus status = RiccatiStatus::not_run;  ///< solved, or why there is no solution
   Eigen::MatrixXd X;       ///< (nx × nx) symmetric, ≥ 0 if Q is; all NaN unless solved
   Eigen::MatrixXd K;       ///< (nu × nx) gain of u = -K x; all NaN unless solved
   Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - B K; empty unless solved with full evidence
@@ -79,20 +80,23 @@ struct RiccatiResult {
   /// gain_error > 1e-6) with the possible relative error of K; empty if there is no warning.
   std::string warning;
 
+  /// Whether there is a stabilizing solution.
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
 };
 
+/// Prints the status, the culprit, and residual, rcond and method in one line.
 std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
 
 /// Solves AᵀX + XA - (XB + N) R⁻¹ (BᵀX + Nᵀ) + Q = 0 for the X whose A - B K,
 /// K = R⁻¹ (BᵀX + Nᵀ), has all eigenvalues in the open left half-plane.
 ///
-/// @param A  (nx × nx), nx ≥ 1
-/// @param B  (nx × nu), nu ≥ 1
-/// @param Q  (nx × nx) symmetric, ≥ 0 up to rounding (1e-12 of its norm); see
-///           RiccatiOptions::reject_indefinite_Q
-/// @param R  (nu × nu) symmetric, > 0
-/// @param N  (nx × nu), or empty for zero
+/// @param A        (nx × nx), nx ≥ 1
+/// @param B        (nx × nu), nu ≥ 1
+/// @param Q        (nx × nx) symmetric, ≥ 0 up to rounding (1e-12 of its norm); see
+///                 RiccatiOptions::reject_indefinite_Q
+/// @param R        (nu × nu) symmetric, > 0
+/// @param N        (nx × nu), or empty for zero
+/// @param options  tolerances, evidence and names; accepted ranges at the type
 /// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetry (with its size),
 ///                       an R that is not positive definite (with the eigenvalue), and options out
 ///                       of range.
@@ -124,7 +128,8 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
 /// Not for use by two threads at once. A moved-from solver may only be destroyed or assigned to.
 class RiccatiSolver {
  public:
-  /// @param nx, nu  sizes of all equations to solve, ≥ 1
+  /// @param nx, nu   sizes of all equations to solve, ≥ 1
+  /// @param options  for all equations
   /// @throws InvalidInput  if a size is < 1, or an option is out of range
   RiccatiSolver(Eigen::Index nx, Eigen::Index nu, RiccatiOptions options = {});
   ~RiccatiSolver();

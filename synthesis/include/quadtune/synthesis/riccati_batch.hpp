@@ -33,7 +33,7 @@ struct RiccatiMatrices {
 /// Not for use by two threads at once. A moved-from batch may only be destroyed or assigned to.
 class RiccatiBatch {
  public:
-  static constexpr std::size_t kLanes = 8;
+  static constexpr std::size_t kLanes = 8;  ///< number of equations that are solved at a time
 
   /// @param nx, nu   sizes of all equations, ≥ 1
   /// @param options  `evidence` is ignored; it is always essential

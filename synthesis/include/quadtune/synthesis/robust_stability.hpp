@@ -37,6 +37,7 @@ struct StabilityProofOptions {
 
 /// The verdict with its evidence.
 struct StabilityProof {
+  /// Proved, unstable, or why it is undecided.
   StabilityProofStatus status = StabilityProofStatus::not_run;
   int boxes = 0;         ///< examined; each proved box has one Lyapunov function
   int proved_boxes = 0;  ///< number of boxes that are proved
@@ -52,6 +53,7 @@ struct StabilityProof {
   std::vector<std::string> numbers;  ///< names of the parameters of `where`
   std::string culprit;               ///< description; empty when proved
 
+  /// Whether the loop is stable for all values in the box.
   [[nodiscard]] bool proved() const { return status == StabilityProofStatus::proved; }
 };
 
@@ -64,7 +66,9 @@ struct StabilityProof {
 /// A box in which the loop is stable with a positive margin is proved after sufficiently many
 /// splits; the budget limits their number. The result does not depend on the number of threads.
 ///
-/// @param loop  at most ten parameters with an interval of positive width in each part
+/// @param loop     at most ten parameters with an interval of positive width in each part
+/// @param box      bounds of the parameters and of the delay
+/// @param options  number of boxes and of threads
 /// @throws InvalidInput  if the loop or the box is invalid; see their validate()
 /// Theory: "Certified stability".
 [[nodiscard]] StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,

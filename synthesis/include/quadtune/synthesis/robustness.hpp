@@ -16,24 +16,24 @@ namespace quadtune {
 
 /// An uncertain parameter of a loop: a constant between two bounds.
 struct UncertainParameter {
-  std::string name;  ///< e.g. "mass"
-  std::string unit;  ///< "" for a ratio
-  double low = 1;
+  std::string name;    ///< e.g. "mass"
+  std::string unit;    ///< "" for a ratio
+  double low = 1;      ///< lower bound
   double nominal = 1;  ///< low ≤ nominal ≤ high
-  double high = 1;
+  double high = 1;     ///< upper bound
 };
 
 /// The plant parameters and the delay of a loop at one point.
 struct LoopPoint {
-  Eigen::VectorXd numbers;
-  double delay = 0;  ///< [s]
+  Eigen::VectorXd numbers;  ///< θ of the UncertainLoop
+  double delay = 0;         ///< [s]
 };
 
 /// A loop whose plant parameters and delay are functions of uncertain parameters, with their
 /// bounds.
 struct LoopFamily {
-  UncertainLoop loop;
-  std::vector<UncertainParameter> parameters;
+  UncertainLoop loop;                          ///< with constant terms and terms in θ
+  std::vector<UncertainParameter> parameters;  ///< at least one
   /// The loop for given values of the parameters.
   std::function<LoopPoint(const Eigen::VectorXd&)> at;
   /// Bounds of at() over the box low … high. They may be conservative, but must contain all values.
@@ -51,7 +51,8 @@ void validate(const LoopFamily& family, const std::string& where);
 
 /// A box of parameter values: the lower and upper bound of each parameter.
 struct ParameterBox {
-  Eigen::VectorXd low, high;
+  Eigen::VectorXd low,  ///< (n) lower bounds
+      high;             ///< (n) upper bounds
 };
 /// Scales the box of a family about the nominal values.
 [[nodiscard]] ParameterBox scaled_box(const LoopFamily& family, double scale);
@@ -61,6 +62,7 @@ struct WorstCase {
   double radius = 0;           ///< computed spectral radius; unstable if ≥ 1 + 1e-8
   Eigen::VectorXd parameters;  ///< empty if there is no such point
 
+  /// Whether a closed-loop pole is outside the unit circle.
   [[nodiscard]] bool unstable() const { return radius >= 1 + 1e-8; }
 };
 

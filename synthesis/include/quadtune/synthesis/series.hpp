@@ -19,8 +19,14 @@ namespace quadtune {
 
 /// The same with a constant gain in place of one of the two systems.
 [[nodiscard]] ContinuousLti series(const ContinuousLti& first, const Eigen::MatrixXd& second);
+
+/// The same for a discrete system.
 [[nodiscard]] DiscreteLti series(const DiscreteLti& first, const Eigen::MatrixXd& second);
+
+/// The same with the gain first.
 [[nodiscard]] ContinuousLti series(const Eigen::MatrixXd& first, const ContinuousLti& second);
+
+/// The same for a discrete system.
 [[nodiscard]] DiscreteLti series(const Eigen::MatrixXd& first, const DiscreteLti& second);
 
 }  // namespace quadtune

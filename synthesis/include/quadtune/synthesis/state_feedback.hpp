@@ -16,7 +16,7 @@ struct StateFeedback {
   Eigen::MatrixXd K;      ///< (nu × nx); NaN unless solved
   Eigen::MatrixXd K_int;  ///< (nu × ni); NaN unless solved
 
-  [[nodiscard]] bool solved() const { return riccati.solved(); }
+  [[nodiscard]] bool solved() const { return riccati.solved(); }  ///< whether there are gains
 };
 
 /// Solves the LQR problem of a design on `plant`.

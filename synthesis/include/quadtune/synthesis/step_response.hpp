@@ -23,6 +23,7 @@ struct StepResponse {
 /// error decreases with the square of the step, which is at most 1/4000 of the duration, and jumps
 /// remain exact.
 ///
+/// @param loop      under negative feedback
 /// @param channel   0 ≤ channel < loop.size()
 /// @param duration  [s]; 0: automatic. For a stable loop it is 1.5 times the 2 % settling time; for
 ///                  an unstable one the response ends when it exceeds 8 in magnitude or has

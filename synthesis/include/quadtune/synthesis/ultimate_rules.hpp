@@ -19,6 +19,7 @@ struct UltimatePoint {
   double period = std::numeric_limits<double>::quiet_NaN();  ///< Tu [s]
   std::string culprit;  ///< why the plant has no such point; empty if it has one
 
+  /// Whether the plant oscillates at a finite gain.
   [[nodiscard]] bool exists() const { return culprit.empty(); }
 };
 
@@ -38,7 +39,11 @@ struct UltimatePoint {
 ///     no-overshoot      PID 0.2 Ku, Ti = Tu/2, Td = Tu/3
 ///     tyreus-luyben     PI Ku/3.2, Ti = 2.2 Tu; PID Ku/2.2, Ti = 2.2 Tu, Td = Tu/6.3
 ///
-/// @param N  of the derivative filter Tf = Td/N
+/// @param rule             one of the names above
+/// @param type             one that the rule has
+/// @param ultimate_gain    Ku, not 0
+/// @param ultimate_period  Tu [s], > 0
+/// @param N                of the derivative filter Tf = Td/N
 /// @throws InvalidInput  if the rule is unknown or has no such type, Ku is 0 or not finite, or Tu
 ///                       is not positive
 /// Sources: Ziegler and Nichols 1942; Pessen 1994; Tyreus and Luyben 1992; the rules with little

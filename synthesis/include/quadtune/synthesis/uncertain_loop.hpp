@@ -50,6 +50,7 @@ void validate(const LoopBox& box, const UncertainLoop& loop, const std::string& 
 
 /// Computes the matrix of one period of the closed loop. Its states are x, i, and the past outputs
 /// u[k-1], u[k-2], … that the delay requires, none if it is 0.
+/// @param loop     accepted by validate()
 /// @param numbers  θ, one for each term
 /// @param delay    [s], 0 … kMaxDelayPeriods periods
 /// @throws InvalidInput  if a size is wrong, or the delay is out of range

@@ -36,6 +36,8 @@ enum class AllanTaus { octaves, decades, all };
 
 /// The averaging factors m of a grid: 1, 2, 4, … or 1, 2, 4, 10, 20, 40, … or 1, 2, 3, …
 /// @param samples  number of samples of the rate; the largest m leaves one term of `kind`
+/// @param taus     which factors
+/// @param kind     of the deviation
 [[nodiscard]] std::vector<std::size_t> allan_factors(std::size_t samples, AllanTaus taus,
                                                      AllanKind kind = AllanKind::overlapping);
 
@@ -44,6 +46,7 @@ enum class AllanTaus { octaves, decades, all };
 /// @param rate     (samples) means over dt each, evenly spaced, e.g. [rad/s]
 /// @param dt       [s], > 0
 /// @param factors  the averaging factors m, each leaving at least one term
+/// @param kind     of the deviation
 /// @throws InvalidInput  for a sample that is not finite (the message names the first one), for dt
 ///                       out of range, and for an m for which there are too few samples.
 /// Source: Riley and Howe 2008, sections 5.2.2 to 5.2.11.
@@ -73,11 +76,11 @@ enum class AllanNoise {
   flicker,          ///< bias instability: (2 ln 2 / π) B²
   rate_random_walk  ///< K² tau / 3
 };
-inline constexpr std::size_t kAllanNoises = 4;
+inline constexpr std::size_t kAllanNoises = 4;  ///< number of noise types
 
 /// A coefficient estimated from the curve, or the reason why it cannot be estimated.
 struct AllanReading {
-  bool seen = false;
+  bool seen = false;    ///< whether the curve determines the coefficient
   double value = 0;     ///< [unit of the coefficient]; 0 unless seen
   double low = 0;       ///< 95 % interval; 0 unless seen
   double high = 0;      ///< likewise
@@ -89,7 +92,7 @@ struct AllanReading {
 
 /// A point of the overlapping deviation with its 95 % interval.
 struct AllanCurvePoint {
-  AllanPoint point;
+  AllanPoint point;  ///< averaging time and deviation
   double edf = 0;    ///< equivalent degrees of freedom of the variance
   double low = 0;    ///< of the deviation
   double high = 0;   ///< likewise
@@ -98,11 +101,11 @@ struct AllanCurvePoint {
 
 /// The overlapping Allan deviation of a rate, with the estimated noise coefficients.
 struct AllanAnalysis {
-  std::vector<AllanCurvePoint> curve;
-  AllanReading quantization;      ///< Q [unit s]
-  AllanReading noise_density;     ///< N [unit/√Hz]: the line of slope -1/2 at tau = 1 s
-  AllanReading bias_instability;  ///< minimum of the deviation / 0.664 [unit]
-  AllanReading random_walk;       ///< K [unit/s/√Hz]: the line of slope +1/2 at tau = 3 s
+  std::vector<AllanCurvePoint> curve;  ///< by increasing tau
+  AllanReading quantization;           ///< Q [unit s]
+  AllanReading noise_density;          ///< N [unit/√Hz]: the line of slope -1/2 at tau = 1 s
+  AllanReading bias_instability;       ///< minimum of the deviation / 0.664 [unit]
+  AllanReading random_walk;            ///< K [unit/s/√Hz]: the line of slope +1/2 at tau = 3 s
   /// Q², N², B², K² of the fit; 0 if the noise is not in it
   std::array<double, kAllanNoises> variances{};
   double chi_squared = 0;  ///< of the fit, at the octaves from fitted_from on
@@ -122,10 +125,11 @@ inline constexpr std::size_t kMinAllanSamples = 64;
 /// intervals from the degrees of freedom by chi-squared.
 ///
 /// @param rate     (at least kMinAllanSamples) as in allan_deviation()
+/// @param dt       [s], > 0
 /// @param factors  averaging factors of the curve; empty: octaves
 /// @throws InvalidInput  as allan_deviation(), and for too few samples or a constant rate.
 /// Source: Greenhall and Riley 2003 (degrees of freedom); IEEE 952-1997, annex C (coefficients);
-/// docs/theory.md#allan-deviation.
+/// docs/theory.md, "Allan deviation".
 [[nodiscard]] AllanAnalysis analyse_allan(const Eigen::Ref<const Eigen::VectorXd>& rate, double dt,
                                           std::vector<std::size_t> factors = {});
 

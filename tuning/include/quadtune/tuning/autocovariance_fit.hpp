@@ -15,6 +15,7 @@
 
 namespace quadtune {
 
+/// Options of fit_autocovariances().
 struct AutocovarianceOptions {
   /// Number of groups of lags in addition to lag 0, ≥ 1. Each group is a single lag if that many
   /// lags cover the memory of the predictor; otherwise later lags are averaged in groups of
@@ -27,6 +28,7 @@ struct AutocovarianceOptions {
   std::function<bool()> interrupted = {};
 };
 
+/// How the fit ended.
 enum class AutocovarianceStatus {
   not_run,
   solved,
@@ -38,6 +40,7 @@ enum class AutocovarianceStatus {
   not_converged,  ///< the least squares reached the maximum number of iterations
 };
 
+/// In words, e.g. "solved".
 [[nodiscard]] std::string to_string(AutocovarianceStatus status);
 
 /// Autocovariances of the innovations of the predictor x⁺ = F (x + M e) + B u, e = y - C x - D u.
@@ -48,24 +51,27 @@ struct InnovationAutocovariances {
   std::vector<double> pairs;        ///< number of pairs in each mean
 };
 
+/// Estimated covariances with their uncertainty.
 struct AutocovarianceFit {
+  /// Solved, or why there is no estimate.
   AutocovarianceStatus status = AutocovarianceStatus::not_run;
   Eigen::VectorXd theta;  ///< (p) as start_of(); a very small value for a variance that is zero
   /// (p × p) Hessian of ½ the misfit, the inverse of the covariance of θ; zero rows for parameters
   /// that are not free.
   Eigen::MatrixXd information;
-  std::vector<FittedParameter> parameters;
-  std::vector<std::string> unseen;       ///< as NoiseFit::unseen
-  InnovationAutocovariances innovation;  ///< for the last gain
+  std::vector<FittedParameter> parameters;  ///< p, in the order of the model
+  std::vector<std::string> unseen;          ///< as NoiseFit::unseen
+  InnovationAutocovariances innovation;     ///< for the last gain
   /// Number of innovation vectors, each with all outputs of one instant
   double samples = 0;
   int passes = 0;  ///< number of gains that were computed
   /// Sum of squared residuals in standard deviations: χ² with `degrees` degrees of freedom if the
   /// model is right.
   double misfit = std::numeric_limits<double>::quiet_NaN();
-  int degrees = 0;
-  std::string culprit;
+  int degrees = 0;      ///< degrees of freedom of the misfit
+  std::string culprit;  ///< why it is not solved; empty if it is
 
+  /// Whether there is an estimate.
   [[nodiscard]] bool solved() const { return status == AutocovarianceStatus::solved; }
 };
 
@@ -83,6 +89,7 @@ struct AutocovarianceFit {
                                                     const AutocovarianceOptions& options = {});
 
 /// Converts the result to a NoiseFit, with the likelihood at θ and at the start.
+/// @param fit         solved
 /// @param likelihood  of the same model and records
 [[nodiscard]] NoiseFit as_noise_fit(const AutocovarianceFit& fit,
                                     const InnovationLikelihood& likelihood);
@@ -95,8 +102,11 @@ struct AutocovarianceFit {
 
 /// Computes the autocovariances that the model predicts at θ if all outputs are measured every dt
 /// seconds.
-/// @param M     (nx × ny) with F (I - M C) stable
-/// @param lags  ≥ 0, the largest lag
+/// @param model  linear, accepted by validate()
+/// @param dt     sample period [s], > 0
+/// @param M      (nx × ny) with F (I - M C) stable
+/// @param theta  as start_of()
+/// @param lags   ≥ 0, the largest lag
 /// @throws InvalidInput  for wrong shapes, a period that is not positive, or a gain that is not
 ///                       stable.
 [[nodiscard]] std::vector<Eigen::MatrixXd> innovation_autocovariances(

@@ -22,7 +22,7 @@ struct ConsistencyOptions {
   double max_correlation = 0.1;  ///< maximum autocorrelation of innovations at any of these lags
   double max_mean = 0.1;         ///< maximum mean, in standard deviations
   double min_size = 0.8;         ///< minimum of the mean of e²/S
-  double max_size = 1.25;
+  double max_size = 1.25;        ///< maximum of the mean of e²/S
   double max_kurtosis = 3;  ///< maximum excess kurtosis; 0 is normal, 3 that of rare large errors
   /// Minimum number of samples of each output. With fewer samples nothing passes, and a deviation
   /// must be significant among all checks.
@@ -32,19 +32,20 @@ struct ConsistencyOptions {
 /// @throws InvalidInput  for options out of range.
 void validate(const ConsistencyOptions& options);
 
+/// The verdict of a check; too_short: too few samples.
 enum class CheckVerdict { pass, fail, too_short };
 
 /// One check of one output, or of all outputs.
 struct ConsistencyCheck {
   std::string name;    ///< "size", "whiteness", "mean", "normality"
   std::string output;  ///< "sonar: height", or "all"
-  double value = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();  ///< interval of a consistent filter
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< the tested statistic
+  double low = std::numeric_limits<double>::quiet_NaN();    ///< interval of a consistent filter
+  double high = std::numeric_limits<double>::quiet_NaN();   ///< upper end of that interval
   /// Probability of a value at least as far off, if consistent
   double p = std::numeric_limits<double>::quiet_NaN();
-  CheckVerdict verdict = CheckVerdict::pass;
-  std::string reason = {};  ///< one line; empty if the check passes
+  CheckVerdict verdict = CheckVerdict::pass;  ///< of this check
+  std::string reason = {};                    ///< one line; empty if the check passes
 };
 
 /// Statistics of the standardized innovations z = e/√S of one output. For a sensor with Student's
@@ -64,15 +65,18 @@ struct InnovationStatistics {
   double ljung_box_p = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// The checks of all outputs.
 struct Consistency {
-  std::vector<InnovationStatistics> outputs;
-  std::vector<ConsistencyCheck> checks;
-  CheckVerdict verdict = CheckVerdict::too_short;
-  std::vector<std::string> reasons;  ///< why the verdict is not pass
+  std::vector<InnovationStatistics> outputs;       ///< one for each output
+  std::vector<ConsistencyCheck> checks;            ///< of every output, then of all
+  CheckVerdict verdict = CheckVerdict::too_short;  ///< fail if a check fails
+  std::vector<std::string> reasons;                ///< why the verdict is not pass
 };
 
-/// @param runs   one per record, in time order; records are assumed to be uncorrelated with each
-///               other
+/// @param model    of the runs
+/// @param runs     one per record, in time order; records are assumed to be uncorrelated with each
+///                 other
+/// @param options  limits of the checks
 /// @throws InvalidInput  for options out of range, or a run that was not computed.
 /// Sources: Bar-Shalom, Li and Kirubarajan 2001, section 5.4; Ljung and Box 1978; Jarque and Bera
 /// 1980; for few innovations Anscombe and Glynn 1983.
@@ -80,6 +84,7 @@ struct Consistency {
                                             const std::vector<FilterRun>& runs,
                                             const ConsistencyOptions& options = {});
 
+/// "pass", "fail" or "too short to tell".
 [[nodiscard]] std::string to_string(CheckVerdict verdict);
 
 }  // namespace quadtune

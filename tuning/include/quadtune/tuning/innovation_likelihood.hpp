@@ -15,6 +15,7 @@
 
 namespace quadtune {
 
+/// Outcome of a run of the filter.
 enum class LikelihoodStatus {
   not_run,
   computed,
@@ -31,8 +32,8 @@ enum class LikelihoodStatus {
 /// w = (ν + 1) / (ν + e²/S). Gates are not applied: remove the samples that they reject from the
 /// records first.
 struct Likelihood {
-  LikelihoodStatus status = LikelihoodStatus::not_run;
-  double value = std::numeric_limits<double>::quiet_NaN();
+  LikelihoodStatus status = LikelihoodStatus::not_run;      ///< computed, or why there is no value
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< log p(y | θ); NaN unless computed
   Eigen::VectorXd gradient;  ///< (p) with respect to θ, if requested
   /// (p × p) Σ ½ (S'/S)(S'/S)ᵀ + e' e'ᵀ/S, whose expectation is the Fisher information; if
   /// requested.
@@ -41,6 +42,7 @@ struct Likelihood {
   Eigen::Index diffuse = 0;      ///< number of scalars that initialized a diffuse state
   std::string culprit;  ///< e.g. "log.csv: the variance of the innovation of sonar at 3.2 s"
 
+  /// Whether there is a value.
   [[nodiscard]] bool computed() const { return status == LikelihoodStatus::computed; }
 };
 
@@ -49,14 +51,14 @@ enum class LikelihoodOrder { value, gradient, information };
 
 /// Standardized innovations and states of one record.
 struct FilterRun {
-  LikelihoodStatus status = LikelihoodStatus::not_run;
+  LikelihoodStatus status = LikelihoodStatus::not_run;  ///< computed, or why the run ended
   SampleMatrix innovation;  ///< (ny × N) e [unit of the output]; NaN where there is no innovation
   SampleMatrix variance;    ///< (ny × N) S
   SampleMatrix x;           ///< (nx × N) after the measurements; NaN while diffuse
   SampleMatrix x_variance;  ///< (nx × N) diagonal of P after the measurements
   /// (ny × N) 1 where the gate of a sensor rejected a measurement, whose innovation is then NaN.
   SampleArray<std::uint8_t> refused;
-  std::string culprit;
+  std::string culprit;  ///< what ended the run; empty if computed
 };
 
 /// A model with its logs, constructed once and evaluated for many θ. An evaluation allocates only a
@@ -71,10 +73,12 @@ class InnovationLikelihood {
   InnovationLikelihood& operator=(const InnovationLikelihood&);
   InnovationLikelihood& operator=(InnovationLikelihood&&) noexcept;
 
-  [[nodiscard]] const FilterModel& model() const;
+  [[nodiscard]] const FilterModel& model() const;  ///< the model
+  /// The records, in the given order.
   [[nodiscard]] const std::vector<FilterRecord>& records() const;
 
   /// @param theta  (p) as start_of(); finite.
+  /// @param order  which derivatives are computed
   /// @throws Interrupted  if the function given to stop_when() returns true
   [[nodiscard]] Likelihood evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                     LikelihoodOrder order = LikelihoodOrder::value) const;

@@ -52,8 +52,9 @@ struct MatchedWeight {
   /// stays below the tolerance while the other weights compensate as far as they can. Computed from
   /// the derivative of the gain, so accurate for narrow intervals only. 0 and infinity if the gain
   /// does not determine the weight.
-  double low = 0, high = std::numeric_limits<double>::infinity();
-  WeightVerdict verdict = WeightVerdict::seen;
+  double low = 0,                                      ///< lower end
+      high = std::numeric_limits<double>::infinity();  ///< upper end
+  WeightVerdict verdict = WeightVerdict::seen;         ///< whether the gain determines the weight
 };
 
 /// Options of the search.
@@ -70,7 +71,7 @@ struct GainMatchOptions {
 
 /// Weights with their evidence.
 struct GainMatch {
-  GainMatchStatus status = GainMatchStatus::not_run;
+  GainMatchStatus status = GainMatchStatus::not_run;  ///< matched, or why not
   std::string culprit;  ///< why there are no weights; empty if there are
 
   LqrDesign design;                    ///< with the resulting weights
@@ -99,9 +100,10 @@ struct GainMatch {
   /// weights and for an initial deviation of one state alone, and the name of that state. NaN if it
   /// is not known: then `excess_culprit` states why, and the state is empty.
   double excess_cost = std::numeric_limits<double>::quiet_NaN();
-  std::string excess_state;
-  std::string excess_culprit;
+  std::string excess_state;    ///< see excess_cost
+  std::string excess_culprit;  ///< see excess_cost
 
+  /// Whether a search ended with weights, close or not.
   [[nodiscard]] bool has_weights() const {
     return status == GainMatchStatus::matched || status == GainMatchStatus::not_matched;
   }
@@ -113,11 +115,12 @@ struct GainMatch {
 /// up to a common factor, which is chosen so that R keeps the geometric mean of its start. Weights
 /// that are not diagonal are not searched.
 ///
-/// @param plant   nx states named as in `start.states`, nu inputs
-/// @param start   the problem: integrals, method, dt; diagonal weights at which the first search
-///                starts. A weight of 0 stays 0; those of R are > 0
-/// @param K       (nu × nx) of u = u0 + K (x_sp - x)
-/// @param K_int   (nu × ni)
+/// @param plant    nx states named as in `start.states`, nu inputs
+/// @param start    the problem: integrals, method, dt; diagonal weights at which the first search
+///                 starts. A weight of 0 stays 0; those of R are > 0
+/// @param K        (nu × nx) of u = u0 + K (x_sp - x)
+/// @param K_int    (nu × ni)
+/// @param options  ties, tolerance and number of starts
 /// @throws InvalidInput  for wrong shapes, non-finite entries, a zero gain, weights that are not
 ///                       diagonal or out of range, ties with unknown or repeated names, options out
 ///                       of range.

@@ -14,9 +14,9 @@ namespace quadtune {
 
 /// A number of a design that is checked against a bound before any flight, such as a margin.
 struct DesignLimit {
-  std::string name;  ///< e.g. "Ms of tau_x"
-  double value = 0;
-  double bound = 0;
+  std::string name;       ///< e.g. "Ms of tau_x"
+  double value = 0;       ///< of the design
+  double bound = 0;       ///< what it is compared with
   bool at_least = false;  ///< the bound is a minimum; otherwise it is a maximum
   double min = 0;         ///< minimum over all designs: 1 for an Ms
 
@@ -36,9 +36,10 @@ struct DesignSpace {
   std::vector<std::string> names;  ///< n, e.g. "Kp of roll, pitch"
   Eigen::VectorXd start;           ///< (n) the synthesized design
   double reach = 1.5;              ///< largest change of each number from the start, > 0
-  std::function<DesignPoint(const Eigen::VectorXd&)> point;
+  std::function<DesignPoint(const Eigen::VectorXd&)> point;  ///< the controller of (n) numbers
 };
 
+/// Options of the search.
 struct MissionSearchOptions {
   double seconds = 60;       ///< time limit of the search, > 0; exceeded by at most one evaluation
   int evaluations = 100000;  ///< maximum number of evaluations
@@ -63,6 +64,8 @@ struct SearchStep {
 
 /// How a search ended.
 enum class SearchEnd { budget, converged, interrupted };
+
+/// "budget", "converged" or "interrupted".
 [[nodiscard]] std::string to_string(SearchEnd end);
 
 /// A binding limit is loosened by this share of its size to compute the cost reduction that this
@@ -77,28 +80,32 @@ inline constexpr double kLoosened = 0.1;
 /// start does not. It is rejected if on the fresh draws it exceeds a limit that the start
 /// satisfies, or exceeds one by more than the start does, or if more flights end early.
 struct MissionSearchResult {
-  bool accepted = false;
-  bool repaired = false;       ///< accepted, and satisfies all limits although the start does not
-  std::string reason;          ///< why it was accepted or rejected
-  Eigen::VectorXd best;        ///< (n) the result: the start if nothing was accepted
-  Eigen::VectorXd candidate;   ///< (n) the best point of the search, accepted or not
-  TrialOutcome before, after;  ///< of the start and the candidate, on the draws of the search
-  TrialOutcome proof_before, proof_after;  ///< on fresh draws
+  bool accepted = false;      ///< whether the candidate replaces the start
+  bool repaired = false;      ///< accepted, and satisfies all limits although the start does not
+  std::string reason;         ///< why it was accepted or rejected
+  Eigen::VectorXd best;       ///< (n) the result: the start if nothing was accepted
+  Eigen::VectorXd candidate;  ///< (n) the best point of the search, accepted or not
+  TrialOutcome before,        ///< of the start, on the draws of the search
+      after;                  ///< of the candidate, likewise
+  TrialOutcome proof_before,  ///< of the start, on fresh draws
+      proof_after;            ///< of the candidate, likewise
   /// Difference of the costs, after - before, on fresh draws: of their quantile if that is the
   /// measure, otherwise of their mean.
   Estimated difference;
-  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a relative reduction [%]
-  std::vector<std::string> binding;              ///< limits that are active at the candidate
+  double less = 0,                   ///< `difference` as a relative reduction [%]
+      less_low = 0,                  ///< lower end of its interval [%]
+      less_high = 0;                 ///< upper end [%]
+  std::vector<std::string> binding;  ///< limits that are active at the candidate
   /// Reduction of the cost [%] if one limit of `binding` were looser by kLoosened, one entry for
   /// each. It is computed by flying, on the draws of the search, the points to which the slopes at
   /// the candidate lead, within 0.1 of it in each variable and with all other limits satisfied.
   /// Empty if the search was interrupted.
   std::vector<double> buys;
-  std::vector<std::string> broken;  ///< limits that `best` exceeds on fresh draws
-  std::vector<SearchStep> steps;
-  int evaluations = 0;
-  double seconds = 0;
-  SearchEnd end = SearchEnd::budget;
+  std::vector<std::string> broken;    ///< limits that `best` exceeds on fresh draws
+  std::vector<SearchStep> steps;      ///< one for each evaluation
+  int evaluations = 0;                ///< number of evaluations
+  double seconds = 0;                 ///< duration of the search [s]
+  SearchEnd end = SearchEnd::budget;  ///< why the search ended
 };
 
 /// @throws InvalidInput  for a start without a controller, or options out of range

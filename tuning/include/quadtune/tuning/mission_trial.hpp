@@ -18,13 +18,13 @@ namespace quadtune {
 
 /// One metric of the cost.
 struct CostTerm {
-  Metric metric = Metric::tracking_rms;
-  double weight = 1;  ///< ≥ 0
+  Metric metric = Metric::tracking_rms;  ///< the metric
+  double weight = 1;                     ///< ≥ 0
 };
 
 /// A mission that is flown to compute the cost.
 struct TrialMission {
-  std::string name;
+  std::string name;           ///< name of the mission
   FlightSetup setup;          ///< its controller is replaced by the one under test
   std::vector<Limit> limits;  ///< limits to satisfy: those of the mission, or stricter ones
 };
@@ -37,6 +37,8 @@ enum class RobustMeasure {
 };
 /// Converts to "mean", "quantile", "worst", and back.
 [[nodiscard]] std::string to_string(RobustMeasure measure);
+
+/// The measure of a name.
 [[nodiscard]] RobustMeasure robust_measure(const std::string& name, const std::string& where);
 
 /// Minimum tail probability of a quantile. Quantiles farther out cannot be estimated with a
@@ -45,13 +47,13 @@ inline constexpr double kMinTail = 1e-4;
 
 /// Defines the evaluation of a controller.
 struct TrialRequest {
-  std::vector<TrialMission> missions;  ///< at least one
-  std::vector<CostTerm> cost;          ///< at least one with weight > 0
-  RobustMeasure measure = RobustMeasure::mean;
+  std::vector<TrialMission> missions;           ///< at least one
+  std::vector<CostTerm> cost;                   ///< at least one with weight > 0
+  RobustMeasure measure = RobustMeasure::mean;  ///< how the costs of the draws are combined
   double share = 0.9;       ///< for RobustMeasure::quantile, kMinTail … 1 - kMinTail
   Uncertainty uncertainty;  ///< empty: only noise and wind differ from draw to draw
   std::uint32_t draws = 1;  ///< number of flights of each mission per evaluation, ≥ 1
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;   ///< of all draws
 };
 
 /// Validates everything except the controllers.
@@ -60,10 +62,10 @@ void validate(const TrialRequest& request, const std::string& where);
 
 /// A limit and the value of its metric over the draws, combined by the measure.
 struct TrialLimit {
-  std::string mission;
-  Metric metric = Metric::duration;
+  std::string mission;               ///< name of the mission
+  Metric metric = Metric::duration;  ///< which metric
   double value = 0;  ///< infinite if a flight ended early or never reached the event
-  double max = 0;
+  double max = 0;    ///< the limit
 
   /// excess_of() the violation relative to the limit, or the value itself if the limit is 0.
   [[nodiscard]] double excess() const;
@@ -85,10 +87,10 @@ struct TrialOutcome {
   std::vector<TrialLimit> limits;  ///< mission by mission
   /// One per mission, over the draws; only metrics that all draws have
   std::vector<MetricValues> means;
-  std::uint32_t failed = 0;  ///< number of flights that ended early
-  std::uint32_t flights = 0;
+  std::uint32_t failed = 0;   ///< number of flights that ended early
+  std::uint32_t flights = 0;  ///< number of flights
 
-  [[nodiscard]] bool satisfies_limits() const;
+  [[nodiscard]] bool satisfies_limits() const;  ///< whether every excess is at most kLimitTolerance
 };
 
 /// Flies controllers as a request defines. A flight that ends early costs at least kFailure, and
@@ -96,13 +98,16 @@ struct TrialOutcome {
 /// that the reference has and the flight lacks.
 class MissionTrial {
  public:
-  using Stop = std::function<bool()>;  ///< called regularly; true throws Interrupted
-  static constexpr double kFailure = 100;
+  using Stop = std::function<bool()>;      ///< called regularly; true throws Interrupted
+  static constexpr double kFailure = 100;  ///< minimum cost of a flight that ends early
 
+  /// @param request    accepted by validate()
   /// @param reference  the unit of each metric of the cost is its mean with this controller, over
   ///                   the first draws whose flights are complete; if there are none, the metric is
   ///                   not scaled. A metric that these flights do not have is ignored in their
   ///                   mission
+  /// @param threads    as fly_all()
+  /// @param interrupted  called regularly; true throws Interrupted
   /// @throws InvalidInput  as validate(); for a mission that measures no metric of the cost
   /// @throws Interrupted
   MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads = 0,
@@ -111,6 +116,7 @@ class MissionTrial {
   /// Flies the draws `first` to `first + count` - 1; by default the first draws of the request.
   /// @throws Interrupted
   [[nodiscard]] TrialOutcome fly(const Controller& controller, const Stop& interrupted = {}) const;
+  /// The same for `count` draws from `first` on.
   [[nodiscard]] TrialOutcome fly(const Controller& controller, std::uint32_t first,
                                  std::uint32_t count, const Stop& interrupted = {}) const;
 
@@ -118,7 +124,7 @@ class MissionTrial {
   [[nodiscard]] FlightSetup setup(const Controller& controller, std::size_t mission,
                                   std::uint32_t draw) const;
 
-  [[nodiscard]] const TrialRequest& request() const { return request_; }
+  [[nodiscard]] const TrialRequest& request() const { return request_; }  ///< the request
 
  private:
   [[nodiscard]] std::vector<FlightResult> results(const Controller& controller, std::uint32_t first,
@@ -153,6 +159,7 @@ class MissionTrial {
 /// and Tibshirani 1993, chapter 13): 4,000 resamples, each as large as the set of draws and drawn
 /// from it with replacement, each draw with both its values. Deterministic.
 /// @param first, second  values of the same draws, at least min_draws(share)
+/// @param share          of the quantile, within kMinTail … 1 - kMinTail
 [[nodiscard]] Estimated paired_quantile_difference(const std::vector<double>& first,
                                                    const std::vector<double>& second, double share);
 

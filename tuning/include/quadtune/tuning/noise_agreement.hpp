@@ -15,10 +15,12 @@
 
 namespace quadtune {
 
+/// Methods that estimate covariances from logs.
 enum class NoiseMethod { likelihood, autocovariances };
 
 [[nodiscard]] std::string to_string(NoiseMethod method);  ///< "ml", "als"
 
+/// Options of compare_methods().
 struct AgreementOptions {
   double significance = 0.001;  ///< probability of a false alarm, for all parameters together
   double max_factor = 1.5;      ///< maximum ratio of two variances that count as equal in practice
@@ -40,6 +42,7 @@ struct ParameterAgreement {
   bool disagrees = false;  ///< the difference is both large and significant
 };
 
+/// The comparison of the two methods.
 struct NoiseAgreement {
   NoiseMethod other = NoiseMethod::autocovariances;  ///< the method that the fit did not use
   /// Why there is no comparison: the other method has no result; empty if it has.
@@ -53,9 +56,10 @@ struct NoiseAgreement {
 /// Fits by the other method and compares the results. The intervals are valid if the model is
 /// right, and then the two estimates agree (Hausman 1978); if they do not, the true uncertainty is
 /// at least their distance.
-/// @param fit     converged
-/// @param method  the method of `fit`
+/// @param fit      converged
+/// @param method   the method of `fit`
 /// @param likelihood  of the model and records of `fit`
+/// @param options  significance and factor
 [[nodiscard]] NoiseAgreement compare_methods(const NoiseFit& fit, NoiseMethod method,
                                              const InnovationLikelihood& likelihood,
                                              const AgreementOptions& options = {});

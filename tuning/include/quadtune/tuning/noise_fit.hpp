@@ -15,6 +15,7 @@
 
 namespace quadtune {
 
+/// Options of the fit.
 struct NoiseFitOptions {
   /// Number of starts, ≥ 1: that of the model, and others drawn around it. If there is more than
   /// one, the result of fit_autocovariances() is also a start, if it has one.
@@ -40,6 +41,7 @@ struct NoiseFitOptions {
   std::function<void(int evaluations, double best)> progress = {};
 };
 
+/// What the logs determine about a parameter.
 enum class ParameterVerdict {
   fixed,        ///< it was fixed
   seen,         ///< estimated, with an interval
@@ -49,12 +51,13 @@ enum class ParameterVerdict {
   not_known,    ///< the search ended before this was computed
 };
 
+/// In words, e.g. "not seen".
 [[nodiscard]] std::string to_string(ParameterVerdict verdict);
 
 /// Estimate of one entry of θ.
 struct FittedParameter {
-  std::string name;
-  std::string unit;
+  std::string name;  ///< e.g. "Q.vz"
+  std::string unit;  ///< of the variance; empty if unknown
   /// The variance, or the entry of a block
   double value = std::numeric_limits<double>::quiet_NaN();
   /// Standard error of the logarithm of a variance, or of the entry; NaN unless seen.
@@ -62,9 +65,10 @@ struct FittedParameter {
   /// Lower end of the interval; 0 if at zero
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();  ///< upper end; NaN if unbounded
-  ParameterVerdict verdict = ParameterVerdict::seen;
+  ParameterVerdict verdict = ParameterVerdict::seen;  ///< whether the logs determine the parameter
 };
 
+/// How the fit ended.
 enum class NoiseFitStatus {
   not_run,
   converged,
@@ -74,25 +78,28 @@ enum class NoiseFitStatus {
   out_of_time,    ///< likewise, after NoiseTuningOptions::seconds
 };
 
+/// In words, e.g. "converged".
 [[nodiscard]] std::string to_string(NoiseFitStatus status);
 
+/// Estimated covariances with their uncertainty.
 struct NoiseFit {
-  NoiseFitStatus status = NoiseFitStatus::not_run;
-  Eigen::VectorXd theta;  ///< (p) the best point
-  Likelihood before;      ///< at the start of the model
-  Likelihood after;       ///< at theta, with gradient
+  NoiseFitStatus status = NoiseFitStatus::not_run;  ///< converged, or why not
+  Eigen::VectorXd theta;                            ///< (p) the best point
+  Likelihood before;                                ///< at the start of the model
+  Likelihood after;                                 ///< at theta, with gradient
   /// (p × p) -∂²/∂θ² of the log-likelihood and the log-priors at theta; zero rows for parameters
   /// that are not free.
   Eigen::MatrixXd information;
-  std::vector<FittedParameter> parameters;
+  std::vector<FittedParameter> parameters;  ///< p, in the order of the model
   /// Descriptions of the directions of θ that the logs do not determine: "only the ratio of Q.vz to
   /// R.sonar is determined".
   std::vector<std::string> unseen;
   int starts = 0;       ///< number of searches
   int agreeing = 0;     ///< number of searches that ended within 1e-4 of the maximum log-likelihood
   int evaluations = 0;  ///< number of evaluations of the likelihood with its gradient
-  std::string culprit;
+  std::string culprit;  ///< why it is not converged; empty if it is
 
+  /// Whether the best search converged.
   [[nodiscard]] bool converged() const { return status == NoiseFitStatus::converged; }
 };
 

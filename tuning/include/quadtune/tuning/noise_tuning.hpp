@@ -25,10 +25,11 @@ struct RefusedCount {
   Eigen::Index measured = 0;  ///< number of all measurements
 };
 
+/// Options of the tuning.
 struct NoiseTuningOptions {
-  NoiseMethod method = NoiseMethod::likelihood;
-  NoiseFitOptions fit;  ///< autocovariances use only its confidence and profile
-  ConsistencyOptions consistency;
+  NoiseMethod method = NoiseMethod::likelihood;  ///< how the covariances are estimated
+  NoiseFitOptions fit;             ///< autocovariances use only its confidence and profile
+  ConsistencyOptions consistency;  ///< limits of the checks of the innovations
   bool compare = true;         ///< whether to compare with the other method: NoiseTuning::agreement
   AgreementOptions agreement;  ///< limits of that comparison
   double holdout = 0.2;  ///< share at the end of each record that is held out of the fit; 0 … 0.9
@@ -47,6 +48,7 @@ struct NoiseTuningOptions {
 struct HoldOut {
   Eigen::Index innovations = 0;  ///< number of innovations; 0: nothing was held out
   double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood per innovation
+  /// Log-likelihood per innovation after the fit.
   double after = std::numeric_limits<double>::quiet_NaN();
   /// Fails if `after` is significantly lower than `before`, tested innovation by innovation, with
   /// any number of them; passes only with 30 or more.
@@ -54,6 +56,7 @@ struct HoldOut {
   std::string reason;  ///< if it does not pass
 };
 
+/// A fit with everything that the verdict depends on.
 struct NoiseTuning {
   /// If it was interrupted, only this is valid: there is no verdict.
   NoiseFit fit;
@@ -61,11 +64,11 @@ struct NoiseTuning {
   std::optional<AutocovarianceFit> autocovariances;
   /// Number of fits, each with its own linearization path and its own rejected measurements
   int rounds = 1;
-  std::vector<LeftOutRecord> left_out;  ///< records of the logs that the filter cannot use
-  std::vector<RefusedCount> refused;    ///< one per output whose sensor has a gate
-  Consistency before;                   ///< with the covariances of the model
-  Consistency after;
-  HoldOut holdout;
+  std::vector<LeftOutRecord> left_out;      ///< records of the logs that the filter cannot use
+  std::vector<RefusedCount> refused;        ///< one per output whose sensor has a gate
+  Consistency before;                       ///< with the covariances of the model
+  Consistency after;                        ///< with the tuned covariances
+  HoldOut holdout;                          ///< likelihood of the data that the fit did not use
   std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, if requested
   /// Accuracy of the states whose true values are in the records: over the held-out part if they
   /// are known there, otherwise over the fitted part.
@@ -81,7 +84,8 @@ struct NoiseTuning {
   /// If requested, the complete records as the filter used them with the covariances before and
   /// after: linearized, and without the measurements that gates rejected. Empty if the filter
   /// failed.
-  std::vector<FilterRecord> records_before, records_after;
+  std::vector<FilterRecord> records_before,  ///< with the covariances before
+      records_after;                         ///< with those after
 };
 
 /// The initial parts of records that a fit with this holdout uses.

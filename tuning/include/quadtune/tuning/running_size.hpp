@@ -9,6 +9,7 @@
 
 namespace quadtune {
 
+/// The moving average with its interval.
 struct RunningSize {
   /// (N) mean over the innovations around the instant; NaN where there is no innovation, and within
   /// half a window of the ends.
@@ -17,10 +18,11 @@ struct RunningSize {
   /// is right: χ² with as many degrees of freedom as the window has innovations, divided by that
   /// number.
   double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();  ///< upper end of that interval
 };
 
 /// Computes the moving average of e²/S of one output.
+/// @param run         computed
 /// @param output      index among the outputs of all sensors
 /// @param window      number of innovations of a mean, ≥ 1
 /// @param confidence  0 … 1

@@ -28,7 +28,10 @@ struct ScheduleOptions {
 /// reason. Work is divided into sequences in the order of the grid, within which a point starts
 /// from the one before: the result is bitwise the same for any number of threads.
 ///
-/// @param design  states and inputs named as in its convention; dt > 0 unless continuous
+/// @param vehicle  valid
+/// @param axes     at least one; the last varies fastest
+/// @param design   states and inputs named as in its convention; dt > 0 unless continuous
+/// @param options  heading and number of threads
 /// @throws InvalidInput  as checked_grid_size(), linearize(), state_feedback()
 /// @throws Interrupted   if `interrupted` returns true
 [[nodiscard]] GainSchedule gain_schedule(const Vehicle& vehicle, std::vector<ScheduleAxis> axes,
@@ -37,10 +40,12 @@ struct ScheduleOptions {
 
 /// The mass at one point of a grid, and the flight condition and air density for trim().
 struct SchedulePoint {
-  double mass = 0;  ///< [kg]
-  FlightCondition condition;
-  double density_ratio = 1;
+  double mass = 0;            ///< [kg]
+  FlightCondition condition;  ///< as trim() takes it
+  double density_ratio = 1;   ///< air density over the vehicle's
 };
+
+/// The point of the grid with these values of the axes, one for each axis; yaw is a heading [rad].
 [[nodiscard]] SchedulePoint schedule_point(const Vehicle& vehicle,
                                            const std::vector<ScheduleAxis>& axes,
                                            const Eigen::VectorXd& values, double yaw);

@@ -11,6 +11,7 @@
 
 namespace quadtune {
 
+/// Outcome of the smoother.
 enum class SmootherStatus {
   not_run,
   solved,
@@ -18,15 +19,17 @@ enum class SmootherStatus {
   overflowed,  ///< a value exceeded the range of a double
 };
 
+/// The states of a record given all its measurements.
 struct SmoothedStates {
-  SmootherStatus status = SmootherStatus::not_run;
-  Eigen::MatrixXd x;  ///< (nx × N) means; NaN unless solved
+  SmootherStatus status = SmootherStatus::not_run;  ///< solved, or why there are no states
+  Eigen::MatrixXd x;                                ///< (nx × N) means; NaN unless solved
   Eigen::MatrixXd P;  ///< (nx × nx N) their covariances, side by side
   /// As Likelihood::value: that of the filter, computed from the determinant and the residual of
   /// the system.
   double log_likelihood = std::numeric_limits<double>::quiet_NaN();
-  std::string culprit;
+  std::string culprit;  ///< why it is not solved; empty if it is
 
+  /// Whether there are states.
   [[nodiscard]] bool solved() const { return status == SmootherStatus::solved; }
 };
 
@@ -37,6 +40,7 @@ struct SmoothedStates {
 ///
 /// @param model   P0 positive definite on the states that are not diffuse
 /// @param theta   as start_of(model)
+/// @param record  accepted by validate()
 /// @throws InvalidInput  as InnovationLikelihood's constructor.
 [[nodiscard]] SmoothedStates smooth(const FilterModel& model,
                                     const Eigen::Ref<const Eigen::VectorXd>& theta,

@@ -23,8 +23,8 @@ namespace quadtune {
 
 /// Runs of a filter with their records.
 struct TrueRuns {
-  const std::vector<FilterRecord>& records;
-  const std::vector<FilterRun>& runs;
+  const std::vector<FilterRecord>& records;  ///< with true states
+  const std::vector<FilterRun>& runs;        ///< one for each record
 };
 
 /// Errors of one state at the same instants, by the covariances before and after.
@@ -33,7 +33,7 @@ struct StateAccuracy {
   std::string unit;          ///< of the state, e.g. "m/s"
   Eigen::Index samples = 0;  ///< number of instants with a true value in both
   double before = std::numeric_limits<double>::quiet_NaN();  ///< root mean square error
-  double after = std::numeric_limits<double>::quiet_NaN();
+  double after = std::numeric_limits<double>::quiet_NaN();   ///< root mean square error after
   /// Two-sided probability that errors with equal mean squares differ as much as these by chance,
   /// from the paired differences of their squares with the effective number of independent ones
   /// given by their autocorrelation.
@@ -43,6 +43,7 @@ struct StateAccuracy {
 
 /// Computes the root mean square errors of all states with true values, and of the attitude as one
 /// rotation if the model has one and all of its true values are known.
+/// @param model          of the runs
 /// @param before, after  at the same instants
 [[nodiscard]] std::vector<StateAccuracy> compare_errors(const FilterModel& model,
                                                         const TrueRuns& before,

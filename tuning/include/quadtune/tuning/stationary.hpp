@@ -50,7 +50,7 @@ struct StationaryDetection {
   double gyroscope_threshold = 0;  ///< likewise; 0 if there is no gyroscope
   /// Standard deviation of one axis within the quietest windows: the noise of the sensors [raw].
   double accelerometer_noise = 0;
-  double gyroscope_noise = 0;
+  double gyroscope_noise = 0;  ///< likewise; 0 if there is no gyroscope
 };
 
 /// Splits the log into windows. A window is stationary if neither the variance of the accelerometer
@@ -67,7 +67,7 @@ struct StationaryDetection {
 /// Offset of a gyroscope before the motors start: the mean of its first samples, which the uquad
 /// flight program subtracts.
 struct StartUpOffset {
-  static constexpr Eigen::Index kSamples = 512;
+  static constexpr Eigen::Index kSamples = 512;      ///< number of samples of the mean
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< raw
   Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< standard error, from the means of 16 parts
   bool still = false;  ///< whether all of these samples are within the first stationary pose

@@ -15,8 +15,8 @@ namespace quadtune {
 
 /// A range, low ≤ high.
 struct UncertainRange {
-  double low = 1;
-  double high = 1;
+  double low = 1;   ///< lower end
+  double high = 1;  ///< upper end
 };
 
 /// Uncertainty of a vehicle, as ratios to the values of its file; each parameter is constant.
@@ -40,15 +40,19 @@ struct VehicleUncertainty {
 /// slope of the true curve at the true speed. A wrench acts with the ratio of the curves, since the
 /// flight program distributes it by the nominal ones.
 ///
-/// @param vehicle  equal rotors, balanced spins and positions, principal inertia
-/// @param gains    dt > 0, hover; any convention, inputs and sign law
+/// @param vehicle      equal rotors, balanced spins and positions, principal inertia
+/// @param gains        dt > 0, hover; any convention, inputs and sign law
+/// @param uncertainty  ranges of the vehicle's parameters
 /// @throws InvalidInput  stating the input and what was expected, also for ranges that do not
 ///                       contain the nominal value
 [[nodiscard]] LoopFamily uncertain_hover(const Vehicle& vehicle, const Gains& gains,
                                          const VehicleUncertainty& uncertainty);
 
 /// The same for a cascade of PID loops, all of them closed, which commands a wrench.
-/// @param method  of the integrals
+/// @param vehicle      as above
+/// @param cascade      with dt > 0
+/// @param method       of the integrals
+/// @param uncertainty  ranges of the vehicle's parameters
 [[nodiscard]] LoopFamily uncertain_hover(const Vehicle& vehicle, const CascadeGains& cascade,
                                          PidMethod method, const VehicleUncertainty& uncertainty);
 

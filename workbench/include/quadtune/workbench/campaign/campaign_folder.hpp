@@ -17,8 +17,10 @@
 namespace quadtune {
 
 /// Writes the plan and its scripts into a folder that has no plan, or the same plan.
-/// @param stop  called before files are put in place; if it returns true, Interrupted is thrown
-/// @return      whether the folder already had the same plan
+/// @param made    plan and its files
+/// @param folder  created if it is missing
+/// @param stop    called before files are put in place; if it returns true, Interrupted is thrown
+/// @return        whether the folder already had the same plan
 /// @throws InvalidInput  if the folder has another plan; names the first key that differs
 /// @throws FileError, Interrupted
 bool write_campaign(const MadeCampaign& made, const std::string& folder,
@@ -26,16 +28,18 @@ bool write_campaign(const MadeCampaign& made, const std::string& folder,
 
 /// Progress of a shard.
 struct ShardProgressReport {
-  std::string state;  ///< "done", "running", "stopped", "damaged" or "waiting"
-  std::uint64_t records = 0, expected = 0;
+  std::string state;                ///< "done", "running", "stopped", "damaged" or "waiting"
+  std::uint64_t records = 0,        ///< number of valid records on disk
+      expected = 0;                 ///< number of records of the complete shard
   std::vector<std::string> damage;  ///< as ShardState::damage
 };
 
 /// Progress of a campaign.
 struct CampaignStatus {
-  std::vector<ShardProgressReport> shards;
-  std::uint64_t records = 0, expected = 0;
-  int known_workers = 0;  ///< running workers whose rate is known
+  std::vector<ShardProgressReport> shards;  ///< one for each shard
+  std::uint64_t records = 0,                ///< number of valid records on disk
+      expected = 0;                         ///< number of records of the complete campaign
+  int known_workers = 0;                    ///< running workers whose rate is known
   /// Estimated time until all flights are flown [s], if as many workers continue and those without
   /// a known rate are as fast as the others; 0 if all are flown; not finite if no rate is known.
   double left = 0;
@@ -45,7 +49,9 @@ struct CampaignStatus {
 [[nodiscard]] CampaignStatus campaign_status(const CampaignPlan& plan, const std::string& folder);
 
 /// The records of all shards, in the order of the flight numbers.
-/// @param stop  called regularly; if it returns true, Interrupted is thrown
+/// @param plan    of the campaign
+/// @param folder  of the campaign
+/// @param stop    called regularly; if it returns true, Interrupted is thrown
 /// @throws InvalidInput  naming the shards that are missing or damaged
 [[nodiscard]] std::vector<CampaignRecord> all_records(const CampaignPlan& plan,
                                                       const std::string& folder,

@@ -21,9 +21,11 @@ namespace quadtune {
 struct MergedCampaign {
   std::vector<CampaignRecord> records;  ///< of all flights, ordered by flight number
   Eigen::MatrixXd drawn;                ///< all_draws() of the campaign
-  CampaignStatistics statistics;
+  CampaignStatistics statistics;        ///< of all flights
 };
 
+/// @param plan     of the campaign
+/// @param folder   of the campaign, all shards complete
 /// @param threads  number of threads; 0: one per processor
 /// @param stop     called regularly; if it returns true, Interrupted is thrown
 /// @throws InvalidInput  if shards are missing or damaged; names them
@@ -33,15 +35,21 @@ struct MergedCampaign {
                                             const std::function<bool()>& stop = {});
 
 /// Writes flights.csv and campaign.sqlite into the folder, each atomically.
+/// @param plan           of the campaign
+/// @param merged         from merge_campaign()
+/// @param folder         of the campaign
 /// @param threads, stop  as merge_campaign()
-/// @return  the two paths
+/// @return               the two paths
 /// @throws FileError, Interrupted
 [[nodiscard]] std::vector<std::string> write_campaign_tables(
     const CampaignPlan& plan, const MergedCampaign& merged, const std::string& folder,
     std::size_t threads = 0, const std::function<bool()>& stop = {});
 
 /// Flies one flight of the campaign again and logs every control period.
+/// @param plan    of the campaign
+/// @param folder  of the campaign, for the name of the log
 /// @param number  of the flight, less than plan.campaign.records()
+/// @param stop    called regularly; if it returns true, Interrupted is thrown
 /// @return        the log as a MAT file; its name is the path within the campaign's folder
 /// @throws OptionError  as keep_log()
 /// @throws FileError, Interrupted

@@ -24,22 +24,24 @@ struct CampaignKeep {
   int sample = 0;    ///< number of flights spread evenly over all
 };
 
+/// A campaign with everything that its flights depend on.
 struct CampaignPlan {
-  std::string name;
-  std::string hash;  ///< SHA-256 of the plan's file
-  Campaign campaign;
-  std::uint32_t shards = 1;
-  CampaignKeep keep;
+  std::string name;                  ///< of the campaign
+  std::string hash;                  ///< SHA-256 of the plan's file
+  Campaign campaign;                 ///< cases, uncertainty, number of draws and seed
+  std::uint32_t shards = 1;          ///< number of shards, ≥ 1
+  CampaignKeep keep;                 ///< flights whose logs are written when the campaign is merged
   std::vector<PlannedFlight> words;  ///< description of each case, without its setup
 };
 
 /// A plan and the files from which load_plan() restores it.
 struct MadeCampaign {
-  CampaignPlan plan;
+  CampaignPlan plan;               ///< the plan
   std::vector<FileContent> files;  ///< the hash of the plan last
 };
 
 /// Reads a campaign file (docs/formats.md) and computes the gains that it requests.
+/// @param file    campaign file
 /// @param shards  0: the number in the file, or a number for which a shard takes some minutes
 /// @throws InvalidInput  "file:line: …"
 /// @throws FileError, NoSolution

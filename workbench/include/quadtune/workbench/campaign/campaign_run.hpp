@@ -29,8 +29,11 @@ struct CampaignWatch {
 };
 
 /// Flies the missing flights of one shard.
+/// @param plan     of the campaign
+/// @param folder   of the campaign
 /// @param shard    from 0, less than plan.shards
 /// @param threads  number of threads; 0: one per processor
+/// @param watch    callbacks; each may be empty
 /// @throws InvalidInput, FileError, Interrupted  as fly_shard()
 ShardWork fly_campaign_shard(const CampaignPlan& plan, const std::string& folder,
                              std::uint32_t shard, std::size_t threads = 0,

@@ -12,6 +12,7 @@ namespace quadtune {
 
 /// slurm.sh, a job array for sbatch, and parallel.sh, for GNU parallel on this machine or over ssh.
 /// Both call $QUADTUNE, or the quadtune in PATH.
+/// @param plan    of the campaign
 /// @param folder  absolute, the same on all machines
 [[nodiscard]] std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
                                                         const std::filesystem::path& folder);

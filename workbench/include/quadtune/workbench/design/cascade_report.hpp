@@ -19,14 +19,16 @@ struct CascadeReport {
   bool designed = false;               ///< otherwise its gains were given
   CascadeSpecification specification;  ///< with the lag that was used
   std::string published_source;        ///< empty if no gains are published
+  /// Published gains of the vehicle; empty if there are none.
   std::optional<CascadeGains> published;
-  PidCascade cascade;
+  PidCascade cascade;     ///< loops with their evidence
   DiscreteLti open_loop;  ///< all loops closed but the one at the wrench, where it is cut
   MarginsReport margins;  ///< of `open_loop`
 };
 
 /// Hover of the vehicle, with the lag of its slowest motor and its published gains.
-/// @param where  file or vehicle, for messages
+/// @param vehicle  valid
+/// @param where    file or vehicle, for messages
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where);
 
@@ -40,7 +42,10 @@ struct CascadeReport {
                                            const std::string& where);
 
 /// The same for given gains; nothing is designed.
-/// @param method  integration method of the integrals
+/// @param vehicle  valid
+/// @param gains    all six loops
+/// @param method   integration method of the integrals
+/// @param where    file or vehicle, for messages
 [[nodiscard]] CascadeReport assess_written_cascade(const Vehicle& vehicle,
                                                    const CascadeGains& gains, PidMethod method,
                                                    const std::string& where);

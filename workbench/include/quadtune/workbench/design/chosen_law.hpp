@@ -20,7 +20,7 @@ namespace quadtune {
 
 /// Names of the kinds of law, as returned by controller_kind().
 inline constexpr char kCascadedPid[] = "cascaded-pid";
-inline constexpr char kStateFeedback[] = "state-feedback";
+inline constexpr char kStateFeedback[] = "state-feedback";  ///< name of a state feedback
 inline constexpr char kFirmware[] = "firmware";  ///< the loops of an autopilot with its parameters
 
 /// Control period of laws that do not define one [s]: that of the Mambo's program.
@@ -35,8 +35,8 @@ inline constexpr double kDesignedAttitudeLimit = 0.5;
 
 /// A control law and what is known about it.
 struct ChosenLaw {
-  Controller controller;
-  std::string words;  ///< description, e.g. "cascaded PID, designed as by `quadtune pid mambo`"
+  Controller controller;  ///< for FlightSetup::controller
+  std::string words;      ///< description, e.g. "cascaded PID, designed as by `quadtune pid mambo`"
   std::optional<MarginsReport> margins = {};  ///< of its loops, if its design computed them
   double position_bandwidth = 0;              ///< of the slower loop of x and y [rad/s]; 0: unknown
   std::optional<StoredEstimator> estimator = {};  ///< that its file names
@@ -49,7 +49,9 @@ struct ChosenLaw {
 [[nodiscard]] std::string controller_kind(const std::string& word);
 
 /// The law that `gains`, `controller` and `integrator` of the options select.
-/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
+/// @param options  of the flight
+/// @param vehicle  that the law is for
+/// @param who      name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws OptionError, InvalidInput, FileError, NoSolution
 [[nodiscard]] ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle,
                                    const std::string& who);
@@ -67,7 +69,9 @@ struct ChosenLaw {
 
 /// A gain schedule as a flying law: ScheduledFeedback, with the bounds that keep_near_hover() gives
 /// for its gains at hover.
-/// @param dt  control period [s]; ignored if the schedule has one
+/// @param vehicle   valid, the one that the schedule was computed for
+/// @param schedule  with a gain at hover
+/// @param dt        control period [s]; ignored if the schedule has one
 /// @throws InvalidInput  as hover_gains() and keep_near_hover()
 [[nodiscard]] StateFeedbackController scheduled_controller(const Vehicle& vehicle,
                                                            GainSchedule schedule, double dt);

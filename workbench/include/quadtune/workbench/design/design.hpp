@@ -37,9 +37,9 @@ inline constexpr std::uint32_t kDesignSeeds = 5;
 /// on position, height and heading are those of the mission times kDisturbedSlack; settling,
 /// overshoot and rms values have no limits.
 inline constexpr double kGustSpeed = 3;
-inline constexpr double kGustLength = 2;
-inline constexpr double kLoadShare = 0.1;
-inline constexpr double kDisturbedSlack = 3;
+inline constexpr double kGustLength = 2;      ///< duration of the gust [s]
+inline constexpr double kLoadShare = 0.1;     ///< mass of the load as a share of the vehicle's
+inline constexpr double kDisturbedSlack = 3;  ///< factor on the limits of a disturbed flight
 
 /// Difference between the computed and the published gains.
 struct PublishedDifference {
@@ -53,25 +53,26 @@ struct PublishedDifference {
 
 /// A filter with the evidence of its solver.
 struct DesignedFilter {
-  KalmanFilter filter;
-  KalmanResult evidence;
+  KalmanFilter filter;    ///< steady-state gains
+  KalmanResult evidence;  ///< of the solver
 };
 
 /// All results of a design.
 struct DesignOutcome {
-  Design design;
-  Linearization model;
+  Design design;                          ///< the problem
+  Linearization model;                    ///< linear model at the trim
   std::optional<StateFeedback> feedback;  ///< of Design::lqr
   std::optional<LqiReport> lqi;           ///< of Design::lqi
   std::optional<MatrixReport> matrix;     ///< instead of `lqi` if Design::lqi is a matrix
-  std::optional<Gains> gains;
+  std::optional<Gains> gains;             ///< the state feedback that flies; empty if there is none
   std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; only if dt >
                                          ///< 0
   Eigen::VectorXcd poles;                ///< of the flown loop, integrals included
   std::optional<MarginsReport> margins;  ///< of the flown loop, cut at the plant's inputs
-  std::optional<CascadeReport> cascade;
+  std::optional<CascadeReport> cascade;  ///< of the PID cascade; empty if there is none
   bool cascade_for_flown_plant = false;  ///< whether the cascade was designed for the flown plant
-  std::vector<DesignedFilter> filters;
+  std::vector<DesignedFilter> filters;   ///< one for each of Design::kalman
+  /// From the published gains; empty if none are published.
   std::optional<PublishedDifference> published;
   /// The loops of the laws with motor lag, sensors and estimator. For a state feedback designed on
   /// the ideal plant, with margins.
@@ -91,7 +92,7 @@ struct DesignRequirements {
   std::optional<LqiDesign> lqi;          ///< for the flown plant; excludes `lqr`
   std::optional<CascadeDesign> cascade;  ///< if absent and there is no state feedback:
                                          ///< usual_cascade()
-  std::vector<KalmanDesign> kalman;
+  std::vector<KalmanDesign> kalman;      ///< Kalman filters
   /// Missions that the gains must fly; without a `controller`, with the cascade if there is one.
   std::vector<MissionRequest> missions = {MissionRequest{.mission = "hover"}};
   std::uint64_t seed = 1;              ///< for the first flight of each mission
@@ -102,7 +103,8 @@ struct DesignRequirements {
 /// An LQR from all twelve states of ned_convention() to the wrench, with weights by Bryson's rule
 /// from the capabilities of the vehicle (standard_weights()) and the continuous cost of held
 /// inputs.
-/// @param dt  sample period of the law [s], > 0
+/// @param vehicle  valid
+/// @param dt       sample period of the law [s], > 0
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] LqrDesign usual_lqr(const Vehicle& vehicle, double dt = kUsualPeriod);
 
@@ -115,6 +117,8 @@ struct DesignRequirements {
 ///     const DesignOutcome hover = design(load_vehicle("crazyflie"));
 ///     if (!missions_passed(hover)) std::cerr << reasons(hover.flights[0])[0] << '\n';
 ///
+/// @param vehicle  valid
+/// @param requirements  the laws, and the missions that they must fly
 /// @param stop  called regularly while missions are flown; if it returns true, Interrupted is
 ///              thrown
 /// @throws OptionError   if a word of a mission is unknown; names the option
@@ -150,6 +154,7 @@ struct DesignRequirements {
 [[nodiscard]] std::string program_estimator(const Design& design);
 
 /// Flies every mission of the design with the gains of the outcome.
+/// @param outcome    solved; its design lists the missions
 /// @param seed       of the first flight of each mission
 /// @param keep_logs  whether logs are kept, for reports
 /// @param stop       as design()

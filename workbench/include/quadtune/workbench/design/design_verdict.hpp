@@ -24,6 +24,7 @@ enum class DesignFailure {
 /// For example "the cascade does not hold the vehicle"; "" for none.
 [[nodiscard]] std::string to_string(DesignFailure failure);
 
+/// @param outcome  of design()
 /// @param written  the exports of the design; if empty, nothing was written and none can fail
 [[nodiscard]] DesignFailure failure_of(const DesignOutcome& outcome,
                                        const std::vector<WrittenExport>& written);

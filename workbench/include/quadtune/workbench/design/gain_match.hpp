@@ -11,14 +11,18 @@
 
 namespace quadtune {
 
+/// Weights for given gains.
 struct GivenGainMatch {
   OrderedGains gains;  ///< ordered by the states, integrals and inputs of the problem
-  GainMatch match;
+  GainMatch match;     ///< the weights with their evidence
 };
 
 /// Searches for the weights.
-/// @param design  the problem, with the initial weights of the search
-/// @param path    of the gains, for messages
+/// @param given    in any convention
+/// @param plant    the model in the convention of the problem
+/// @param design   the problem, with the initial weights of the search
+/// @param options  ties, tolerance and number of starts
+/// @param path     of the gains, for messages
 /// @throws OptionError   "R" if the weight of an input is 0, "tie" for ties that match_gains()
 ///                       rejects
 /// @throws InvalidInput  as in_order_of(), or if match_gains() rejects the gains

@@ -10,7 +10,7 @@ namespace quadtune {
 
 /// The differences, and the laws that were not compared.
 struct LawsDifference {
-  GainsDiff entries;
+  GainsDiff entries;  ///< of the laws that both files have
   /// "state feedback" or "PID cascade" if only one of the files has it, otherwise empty.
   std::string left_out;
 };

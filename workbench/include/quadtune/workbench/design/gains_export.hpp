@@ -12,6 +12,7 @@
 namespace quadtune {
 
 /// Rejects continuous gains, because a flight computer needs a sample period.
+/// @param laws  that are to be exported
 /// @param path  of the laws, for messages
 /// @throws InvalidInput  if the gains are continuous
 void require_sampled(const StoredLaws& laws, const std::string& path);

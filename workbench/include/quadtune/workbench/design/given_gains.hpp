@@ -18,7 +18,7 @@ namespace quadtune {
 
 /// Laws, with their design if they are read from a design file.
 struct GivenLaws {
-  StoredLaws laws;
+  StoredLaws laws;                      ///< from the file
   std::optional<DesignOutcome> design;  ///< solved, if the file is a design
 };
 
@@ -30,8 +30,9 @@ struct GivenLaws {
 /// @throws InvalidInput  if the laws belong to another vehicle
 void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::string& path);
 
+/// Gains, with their design if they are read from a design file.
 struct GivenGains {
-  Gains gains;
+  Gains gains;                   ///< in the convention of the file
   std::optional<Design> design;  ///< if the gains were read from a design file
 };
 
@@ -41,8 +42,10 @@ struct GivenGains {
 ///                       file is a gain schedule
 [[nodiscard]] GivenGains read_given_gains(const std::string& path);
 
-/// @param words  convention of the model
-/// @param path   for messages
+/// @param gains   that were read
+/// @param states  of the model
+/// @param words   convention of the model
+/// @param path    for messages
 /// @throws InvalidInput  if the states of the gains are not those of the model
 void require_states(const Gains& gains, const std::vector<Signal>& states, const Convention& words,
                     const std::string& path);
@@ -54,7 +57,10 @@ struct OrderedGains {
 };
 
 /// Converts the gains to the design's convention and order.
-/// @param path  for messages
+/// @param gains    in any convention
+/// @param vehicle  of the problem
+/// @param design   states, integrals and inputs of the problem
+/// @param path     for messages
 /// @throws InvalidInput  if the gains are for another vehicle, or for other inputs, states or
 ///                       integrals than those of the problem
 [[nodiscard]] OrderedGains in_order_of(const Gains& gains, const Vehicle& vehicle,

@@ -11,13 +11,16 @@ namespace quadtune {
 
 /// A vehicle with its linear model at a trim.
 struct LinearVehicle {
-  Vehicle vehicle;
-  FlightCondition flight;
-  Linearization model;
+  Vehicle vehicle;         ///< that was linearized
+  FlightCondition flight;  ///< the trim
+  Linearization model;     ///< solved
 };
 
 /// Trims and linearizes.
-/// @param where  file or vehicle, for the message of NoSolution
+/// @param vehicle    valid
+/// @param condition  the trim
+/// @param options    states, inputs and convention of the model
+/// @param where      file or vehicle, for the message of NoSolution
 /// @throws NoSolution  with the trim's culprit
 [[nodiscard]] Linearization linearize_or_refuse(const Vehicle& vehicle,
                                                 const FlightCondition& condition,

@@ -20,18 +20,20 @@ struct Recovery {
   bool affordable = true;  ///< whether `noise` is within the budget
 };
 
+/// Options of an LQG design.
 struct LqgOptions {
-  FlownLqiOptions design;
-  double time = 60;  ///< of the prediction [s], see predicted_rms()
+  FlownLqiOptions design;  ///< of the state feedback
+  double time = 60;        ///< of the prediction [s], see predicted_rms()
   /// Whether the filter's noise is increased to improve the margins (loop transfer recovery).
   bool recover = false;
   double noise_budget = 1.5;  ///< maximum of Recovery::noise, ≥ 1
 };
 
+/// An LQG regulator with its evidence.
 struct LqgReport {
-  LqiReport lqi;               ///< with the chosen filter
-  MarginsReport at_estimates;  ///< of the loop cut at the estimates that the law reads
-  PredictedRms rms;
+  LqiReport lqi;                      ///< with the chosen filter
+  MarginsReport at_estimates;         ///< of the loop cut at the estimates that the law reads
+  PredictedRms rms;                   ///< of states, estimates and commands
   std::vector<Recovery> recoveries;   ///< all that were tried, factor 1 first; empty unless
                                       ///< requested
   double recovery = 1;                ///< the chosen factor

@@ -16,6 +16,7 @@
 
 namespace quadtune {
 
+/// A state feedback with its evidence.
 struct LqiReport {
   FlownLqi design;      ///< its gains have the bounds of keep_near_hover()
   FlownLoop flown;      ///< loop of the complete law at hover
@@ -25,7 +26,10 @@ struct LqiReport {
 };
 
 /// Designs with flown_lqi() and analyses the result.
-/// @param flight  estimator and sensors are used
+/// @param vehicle  valid
+/// @param options  required margins, integrals, weights and period
+/// @param flight   estimator and sensors are used
+/// @param at       hover and evidence of the analysis
 /// @throws OptionError, InvalidInput, NoSolution
 [[nodiscard]] LqiReport lqi_report(const Vehicle& vehicle, const FlownLqiOptions& options,
                                    const FlightOptions& flight = {},

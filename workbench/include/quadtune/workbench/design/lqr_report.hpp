@@ -35,6 +35,7 @@ struct LqrReport {
   std::vector<std::string> messages;  ///< "warning: …" and "note: …" for the user
 };
 
+/// @param problem   plant as matrices, and weights
 /// @param evidence  none: as much as takes about a second, with a note about what was omitted
 /// @throws InvalidInput  as lqr()
 [[nodiscard]] LqrReport lqr_report(const LqrProblem& problem,
@@ -42,10 +43,10 @@ struct LqrReport {
 
 /// The same for a vehicle at a trim, with ideal rotors and known states.
 struct VehicleLqrReport {
-  LinearVehicle plant;
-  LqrDesign design;
+  LinearVehicle plant;     ///< vehicle, trim and model
+  LqrDesign design;        ///< the problem
   StateFeedback feedback;  ///< if it is not solved, the following members are empty
-  Gains gains;
+  Gains gains;             ///< of the law
   Eigen::VectorXcd poles;  ///< of the loop as implemented, flying_poles()
   MarginsReport margins;   ///< of the same loop
   /// With motor lag, sensors and estimator. No value unless has_flown_loop() or if the gains use
@@ -55,7 +56,9 @@ struct VehicleLqrReport {
   std::vector<std::string> messages;  ///< "warning: …" and "note: …" for the user
 };
 
-/// @param design  in the convention of the plant's model
+/// @param plant     vehicle, trim and model
+/// @param design    in the convention of the plant's model
+/// @param evidence  how much is computed of the margins
 /// @throws InvalidInput  as state_feedback()
 [[nodiscard]] VehicleLqrReport lqr_report(LinearVehicle plant, LqrDesign design,
                                           MarginsEvidence evidence = MarginsEvidence::full);

@@ -30,7 +30,9 @@ struct MarginsReport {
   std::optional<SimultaneousDiskMargin> together;  ///< with MarginsEvidence::full
 };
 
-/// @param names  of the channels; empty for a single channel named "loop"
+/// @param loop      under negative feedback
+/// @param names     of the channels; empty for a single channel named "loop"
+/// @param evidence  how much is computed
 [[nodiscard]] MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> names,
                                            MarginsEvidence evidence = MarginsEvidence::full);
 

@@ -42,27 +42,36 @@ struct MatrixLqrReport {
 
 /// An LQG problem for given matrices.
 struct MatrixLqgProblem {
-  Eigen::MatrixXd A, B, C;  ///< (nx × nx), (nx × nu), (ny × nx)
-  Eigen::MatrixXd D = {};   ///< (ny × nu), or empty for zero
-  LqrWeights weights;       ///< per step if discrete
-  KalmanNoise noise;        ///< covariances per step if discrete, otherwise densities
+  Eigen::MatrixXd A,       ///< (nx × nx)
+      B,                   ///< (nx × nu)
+      C;                   ///< (ny × nx)
+  Eigen::MatrixXd D = {};  ///< (ny × nu), or empty for zero
+  LqrWeights weights;      ///< per step if discrete
+  KalmanNoise noise;       ///< covariances per step if discrete, otherwise densities
+  /// Whether plant, cost and noise are continuous, discrete or sampled.
   MatrixTime time = MatrixTime::continuous;
-  double dt = 1;  ///< [s], > 0 unless continuous
-  LqgEstimate estimate = LqgEstimate::current;
+  double dt = 1;                                ///< [s], > 0 unless continuous
+  LqgEstimate estimate = LqgEstimate::current;  ///< the measurements that an estimate uses
 };
 
 /// A regulator, discrete if dt > 0, with the margins of its loop.
 struct MatrixLqgReport {
-  RiccatiResult lqr;
-  KalmanResult filter;
-  Eigen::MatrixXd A, B, C, D;  ///< of the controller from y to -u; empty unless both are solved
-  Eigen::VectorXcd poles;      ///< of the closed loop
-  Eigen::VectorXd state_rms, input_rms;
+  RiccatiResult lqr;    ///< of the state feedback
+  KalmanResult filter;  ///< of the filter
+  Eigen::MatrixXd A,    ///< (n × n) of the controller from y to -u; empty unless both are solved
+      B,                ///< (n × ny)
+      C,                ///< (nu × n)
+      D;                ///< (nu × ny)
+  Eigen::VectorXcd poles;     ///< of the closed loop
+  Eigen::VectorXd state_rms,  ///< (nx) rms of the states in the closed loop
+      input_rms;              ///< (nu) rms of the inputs
+  /// Mean cost, per step if discrete; NaN unless both are solved.
   double cost = std::numeric_limits<double>::quiet_NaN();
   double dt = 0;                      ///< [s]; 0: continuous
   MarginsReport margins;              ///< at the inputs of the plant
   std::vector<std::string> messages;  ///< "warning: …" and "note: …" for the user
 
+  /// Whether both equations are solved.
   [[nodiscard]] bool solved() const { return lqr.solved() && filter.solved(); }
 };
 

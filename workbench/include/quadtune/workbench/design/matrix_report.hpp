@@ -19,9 +19,10 @@
 
 namespace quadtune {
 
+/// A matrix design with its evidence.
 struct MatrixReport {
-  FlownGains design;
-  StandardAxes weights;
+  FlownGains design;     ///< gains of each group of axes
+  StandardAxes weights;  ///< by Bryson's rule, or those of the design file
   /// The same law in the requested convention; without limits in world axes, with those of
   /// keep_near_hover() in ned.
   Gains gains;
@@ -32,10 +33,12 @@ struct MatrixReport {
 };
 
 /// Designs with flown_gains() and analyses the result.
-/// @param design  with `matrix`; its weights override those of Bryson's rule
-/// @param flight  estimator and sensors are used; if the estimator is empty, it is that of the
-///                flight program with this convention, provided that the vehicle has the sensors
-///                for it
+/// @param vehicle  valid
+/// @param design   with `matrix`; its weights override those of Bryson's rule
+/// @param flight   estimator and sensors are used; if the estimator is empty, it is that of the
+///                 flight program with this convention, provided that the vehicle has the sensors
+///                 for it
+/// @param at       hover and evidence of the analysis
 /// @throws InvalidInput  for past commands, weights on changes, integrals other than the usual ones
 ///                       or without a weight, and as flown_gains()
 /// @throws OptionError, NoSolution
@@ -45,7 +48,9 @@ struct MatrixReport {
 
 /// Converts a law to the states, axes and inputs of a flight program, which are a linear map of the
 /// wrench near hover. With more than four inputs, their minimum-norm change is used.
-/// @param gains  from the 12 states of ned to the wrench
+/// @param gains    from the 12 states of ned to the wrench
+/// @param vehicle  whose rotors the law commands
+/// @param words    convention and inputs of the result
 /// @throws InvalidInput  if the convention is unknown or the law has a memory of commands
 /// @throws NoSolution    if the vehicle cannot hover
 [[nodiscard]] Gains describe(const Gains& gains, const Vehicle& vehicle,

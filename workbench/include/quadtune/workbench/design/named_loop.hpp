@@ -17,7 +17,7 @@ namespace quadtune {
 
 /// A loop under negative feedback with the names of its channels.
 struct NamedLoop {
-  OpenLoop loop;
+  OpenLoop loop;                        ///< under negative feedback
   std::vector<std::string> names = {};  ///< empty for a single channel named "loop"
   /// "note: …" or "warning: …" about the assumed meaning of matrices if none was declared; else
   /// empty.
@@ -39,9 +39,10 @@ enum class MatrixTime {
   sampled,  ///< continuous, but the input is held for a sample period
 };
 
+/// Options of gain_loop().
 struct GainLoopOptions {
-  MatrixTime time = MatrixTime::continuous;
-  double dt = 0;           ///< sample period [s], > 0 unless continuous
+  MatrixTime time = MatrixTime::continuous;  ///< whether the matrices are continuous or discrete
+  double dt = 0;                             ///< sample period [s], > 0 unless continuous
   bool declared = true;    ///< whether the user declared `time`; if not, NamedLoop::taken_as
                            ///< reports doubts
   bool at_states = false;  ///< cut at the states instead of at the inputs
@@ -49,15 +50,16 @@ struct GainLoopOptions {
 };
 
 /// The loop of u = -K x.
-/// @param plant  A (nx × nx) and B (nx × nu), continuous or discrete according to the options
-/// @param K      (nu × nx)
+/// @param plant    A (nx × nx) and B (nx × nu), continuous or discrete according to the options
+/// @param K        (nu × nx)
+/// @param options  time and place of the cut
 /// @throws OptionError  as whole_samples()
 [[nodiscard]] NamedLoop gain_loop(const ContinuousLti& plant, const Eigen::MatrixXd& K,
                                   const GainLoopOptions& options = {});
 
 /// A loop and its margins.
 struct LoopReport {
-  NamedLoop loop;
+  NamedLoop loop;                       ///< the ideal loop
   MarginsReport ideal;                  ///< of `loop`
   std::optional<FlownLoop> flown = {};  ///< of a vehicle's flown loop, if requested
 
@@ -65,6 +67,7 @@ struct LoopReport {
   [[nodiscard]] const MarginsReport& margins() const { return flown ? flown->margins : ideal; }
 };
 
+/// The margins of a loop.
 [[nodiscard]] LoopReport loop_report(NamedLoop loop);
 
 /// The loop of a vehicle's gains on the ideal plant and on the flown plant, that is with motor lag,

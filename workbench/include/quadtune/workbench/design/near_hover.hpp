@@ -14,7 +14,8 @@ inline constexpr double kMaxCommandedTilt = 0.35;
 /// which the vehicle comes to rest at a tilt of kMaxCommandedTilt, and stops integrals at the
 /// motors' limits. The error stays unlimited if the gains do not tilt the vehicle for a position
 /// error.
-/// @param gains  of the vehicle, in the 12 states of any convention
+/// @param vehicle  valid
+/// @param gains    of the vehicle, in the 12 states of any convention
 /// @throws InvalidInput  as state_feedback_settings()
 void keep_near_hover(const Vehicle& vehicle, Gains& gains);
 

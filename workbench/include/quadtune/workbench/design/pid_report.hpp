@@ -30,7 +30,7 @@ struct PidRule {
 
 /// The requirements on the gains.
 struct PidRequest {
-  PidType type = PidType::PID;
+  PidType type = PidType::PID;  ///< which terms the controller has
   double Tf = 0;  ///< time constant of the derivative filter [s], ≥ 0; a rule defines its own
   /// PidBounds: the maximum integral gain within the bounds, see max_integral_gain().
   std::variant<PidCrossover, PidRule, PidBounds> by;
@@ -38,20 +38,21 @@ struct PidRequest {
 
 /// Gains, the method by which they were computed, and the margins of their loop.
 struct PidReport {
-  PidType type = PidType::PID;
-  ContinuousTransferFunction plant;
-  PidGains gains;
-  std::string how;  ///< description of the method
+  PidType type = PidType::PID;       ///< which terms the controller has
+  ContinuousTransferFunction plant;  ///< with its delay
+  PidGains gains;                    ///< of the controller
+  std::string how;                   ///< description of the method
   /// The derivative makes the loop improper: no margins; a Tf is needed.
   bool needs_filter = false;
-  MarginsReport margins = {};
+  MarginsReport margins = {};  ///< of the loop of plant and controller
 };
 
 /// "P", "PI", "PD" or "PID".
 /// @throws OptionError  "type", for other words
 [[nodiscard]] PidType pid_type(const std::string& word);
 
-/// @param plant  valid, with its delay
+/// @param plant    valid, with its delay
+/// @param request  type, and crossover, rule or bounds
 /// @throws OptionError   if a number is out of range, the rule is unknown, or the method does not
 ///                       support the type
 /// @throws InvalidInput  as the rules

@@ -21,6 +21,7 @@ using StandardAxes = std::array<AxisWeights, 4>;
 [[nodiscard]] StandardAxes standard_axes(const Vehicle& vehicle);
 
 /// The same as weights of actuator_lqi().
+/// @param axes       from standard_axes()
 /// @param integrals  names of states of ned_convention(); the weight of an integral is that of its
 ///                   state, with the integration time of standard_axes()
 /// @throws InvalidInput  if a name is not that of a state

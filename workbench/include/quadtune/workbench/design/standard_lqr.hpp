@@ -16,7 +16,8 @@ namespace quadtune {
 
 /// LQR at hover from the 12 states to the wrench with standard_weights(). The motor lag is not
 /// modelled.
-/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
+/// @param vehicle  from cascade_vehicle()
+/// @param who      name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws NoSolution  with the culprit
 [[nodiscard]] RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& who);
 

@@ -11,10 +11,11 @@
 
 namespace quadtune {
 
+/// Properties of a linear system.
 struct SystemReport {
-  double dt = 0;           ///< [s]; 0: continuous
-  Eigen::VectorXcd poles;  ///< eigenvalues of A
-  InvariantZeros zeros;
+  double dt = 0;            ///< [s]; 0: continuous
+  Eigen::VectorXcd poles;   ///< eigenvalues of A
+  InvariantZeros zeros;     ///< invariant zeros
   Eigen::MatrixXd dc_gain;  ///< (ny × nu) response to constant inputs; empty with a pole there
   PeakGain peak;            ///< the H∞ norm if stable
   double h2 = 0;            ///< H2 norm; infinite if unstable, or if continuous with D ≠ 0

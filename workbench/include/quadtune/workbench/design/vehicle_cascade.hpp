@@ -15,6 +15,7 @@
 
 namespace quadtune {
 
+/// A cascade with its evidence.
 struct VehicleCascade {
   bool ideal = false;               ///< whether it was designed on the textbook plant
   CascadeReport report;             ///< its gains, and its loops at hover
@@ -24,7 +25,9 @@ struct VehicleCascade {
   std::string not_analysed;         ///< reason if `loop` is empty
 };
 
-/// @param where  file or vehicle, for messages
+/// @param vehicle  valid
+/// @param options  requirements, and where the loops are designed and analysed
+/// @param where    file or vehicle, for messages
 /// @throws OptionError   if a value is invalid, or options exclude each other
 /// @throws InvalidInput  as flown_gains()
 /// @throws NoSolution    naming the loop that cannot be designed

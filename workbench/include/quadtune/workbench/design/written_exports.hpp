@@ -16,10 +16,10 @@ namespace quadtune {
 
 /// One export of a design: the written files and the result of their verification.
 struct WrittenExport {
-  ExportKind kind = ExportKind::json;
-  std::string directory;
-  std::vector<ManifestFile> files;
-  VerifyReport verification;
+  ExportKind kind = ExportKind::json;  ///< target of the export
+  std::string directory;               ///< that was written
+  std::vector<ManifestFile> files;     ///< as in the manifest
+  VerifyReport verification;           ///< of the written files
   /// Changes that the target program makes to the design, e.g. by rounding; one sentence each.
   std::vector<std::string> notes = {};
 };

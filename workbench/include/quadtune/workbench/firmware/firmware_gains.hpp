@@ -17,7 +17,9 @@ namespace quadtune {
 /// firmwares fly them: with the firmware's filters at their defaults, its delay and the motor lag
 /// (firmware_turns()). A group that does not is designed again with a smaller bound, at most six
 /// times; what is still exceeded then is reported in the notes.
+/// @param vehicle    valid
 /// @param firmwares  any number; the structure is p_pi if one of them needs it
+/// @param options    as for flown_gains(); a p_pi of the firmwares replaces the structure
 /// @throws InvalidInput, OptionError, NoSolution  as flown_gains()
 /// @throws InvalidInput  as firmware_parameters(), e.g. if a firmware cannot mix the rotors
 [[nodiscard]] FlownGains firmware_gains(const Vehicle& vehicle,

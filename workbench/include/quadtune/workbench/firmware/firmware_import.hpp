@@ -18,7 +18,7 @@ namespace quadtune {
 
 /// A rotation loop of the firmware, cut at the torque.
 struct FirmwareTurn {
-  FirmwareLoop gains;
+  FirmwareLoop gains;  ///< of the parameters
   double inertia = 0;  ///< of the vehicle about this axis [kg m²]
   double delay = 0;    ///< sum of the delays of computation, hold, gyroscope and motor commands [s]
   double lag = 0;      ///< motor lag [s]
@@ -28,8 +28,8 @@ struct FirmwareTurn {
 
 /// The parameters of a firmware on a vehicle.
 struct FirmwareImport {
-  Firmware firmware;
-  Vehicle vehicle;
+  Firmware firmware;                ///< version of the firmware
+  Vehicle vehicle;                  ///< that the firmware flies
   std::vector<FirmwareLoop> loops;  ///< in the order of kAllCascadeAxes
   std::vector<FirmwareTurn> turns;  ///< roll, pitch, yaw
   ExportContent content;            ///< the cascade, in the form that `fly --gains` and others
@@ -40,7 +40,11 @@ struct FirmwareImport {
 
 /// The open loop of a rotation in continuous time: gyroscope and derivative filters, the delay and
 /// the motor lag as in the firmware's documentation. Theory: "Cascades of autopilots".
-/// @param angle  whether the angle loop is closed through the same torque
+/// @param firmware  of the parameters
+/// @param vehicle   valid
+/// @param loop      one of firmware_loops(): roll, pitch or yaw
+/// @param values    parameters of filters and rates; missing ones have their defaults
+/// @param angle     whether the angle loop is closed through the same torque
 [[nodiscard]] ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware,
                                                             const Vehicle& vehicle,
                                                             const FirmwareLoop& loop,
@@ -53,8 +57,10 @@ struct FirmwareImport {
                                                        const Vehicle& vehicle,
                                                        const std::vector<Parameter>& values);
 
-/// @param file  none: the firmware's defaults
-/// @param dt    sample period of the cascade [s]; 0: kFirmwarePeriod
+/// @param firmware  of the parameters
+/// @param vehicle   valid
+/// @param file      none: the firmware's defaults
+/// @param dt        sample period of the cascade [s]; 0: kFirmwarePeriod
 /// @throws InvalidInput, NoSolution  as firmware_loops()
 [[nodiscard]] FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicle,
                                                const std::optional<ParameterFile>& file,

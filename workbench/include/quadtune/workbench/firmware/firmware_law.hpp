@@ -23,8 +23,10 @@ namespace quadtune {
 /// the motors by quadtune's allocation, and a unit of output is the torque that it produces at
 /// hover.
 ///
-/// @param pilot  loops that the firmware leaves to its pilot: x, y, altitude and heading for
-///               Betaflight
+/// @param vehicle     valid
+/// @param parameters  missing ones have the firmware's defaults
+/// @param pilot       loops that the firmware leaves to its pilot: x, y, altitude and heading for
+///                    Betaflight
 /// @throws InvalidInput, NoSolution  as firmware_loops()
 [[nodiscard]] OwnController firmware_controller(const Vehicle& vehicle,
                                                 const StoredParameters& parameters,

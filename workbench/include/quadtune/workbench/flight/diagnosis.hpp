@@ -29,9 +29,9 @@ enum class FlightCause {
 
 /// The quantities on which the diagnosis is based. NaN: unknown.
 struct FlightEvidence {
-  bool passes_with_true_states = false;    ///< within the mission's own limits
-  bool passes_with_ideal_sensors = false;  ///< likewise
-  FlightEnd end_with_true_states = FlightEnd::completed;
+  bool passes_with_true_states = false;                   ///< within the mission's own limits
+  bool passes_with_ideal_sensors = false;                 ///< likewise
+  FlightEnd end_with_true_states = FlightEnd::completed;  ///< how the flight with true states ended
   double saturation = 0;                   ///< share of the flight at a motor's limit [1]
   double saturation_with_true_states = 0;  ///< likewise
   double estimate_rms = std::numeric_limits<double>::quiet_NaN();    ///< of the position [m]
@@ -42,11 +42,12 @@ struct FlightEvidence {
                                                                      ///< loop
 };
 
+/// The cause of a failure and a remedy.
 struct Diagnosis {
-  FlightCause cause = FlightCause::none;
-  FlightEvidence evidence;
-  std::string why;   ///< the mechanism, in one sentence with its numbers
-  std::string next;  ///< a remedy, with a command of this program
+  FlightCause cause = FlightCause::none;  ///< none if nothing was found
+  FlightEvidence evidence;                ///< what the diagnosis is based on
+  std::string why;                        ///< the mechanism, in one sentence with its numbers
+  std::string next;                       ///< a remedy, with a command of this program
 };
 
 /// Flies the plan again with true states and with ideal sensors, analyses the flown loop, and

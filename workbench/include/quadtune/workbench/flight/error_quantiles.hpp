@@ -35,6 +35,7 @@ struct ErrorSize {
 
 /// The value that ‖e‖ exceeds with the probability `share` at one instant.
 /// @param variances  of the independent axes [unit²], ≥ 0
+/// @param share      probability, 0 < share < 1
 [[nodiscard]] double rarely_exceeded(const std::vector<double>& variances, double share = kRarely);
 
 }  // namespace quadtune

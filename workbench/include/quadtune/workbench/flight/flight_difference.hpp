@@ -14,9 +14,9 @@ namespace quadtune {
 
 /// One recorded quantity in both flights.
 struct ColumnDifference {
-  std::string column;  ///< of the log
-  std::string name;    ///< short: "T", "tau_x", "px" …
-  std::string unit;
+  std::string column;       ///< of the log
+  std::string name;         ///< short: "T", "tau_x", "px" …
+  std::string unit;         ///< of the column
   double mean_squared = 0;  ///< [unit²]
   double max = 0;           ///< maximum magnitude [unit]
   double max_at = 0;        ///< time of the maximum [s]
@@ -24,8 +24,8 @@ struct ColumnDifference {
 
 /// Differences over the rows that both flights have.
 struct FlightDifference {
-  double duration = 0;  ///< [s]
-  std::vector<ColumnDifference> columns;
+  double duration = 0;                    ///< [s]
+  std::vector<ColumnDifference> columns;  ///< one for each quantity
 };
 
 /// @param a, b  logs with equal control periods; quantities that one of them lacks are omitted
@@ -43,9 +43,9 @@ struct EstimateError {
 
 /// Two flights that differ in a single option.
 struct FlightPair {
-  std::string what;                  ///< "integrators", "flow", "filter" or "gains"
-  std::array<std::string, 2> names;  ///< e.g. "euler" and "tustin"
-  std::array<FlightOptions, 2> options;
+  std::string what;                      ///< "integrators", "flow", "filter" or "gains"
+  std::array<std::string, 2> names;      ///< e.g. "euler" and "tustin"
+  std::array<FlightOptions, 2> options;  ///< one for each flight
 };
 
 /// The valid values of FlightPair::what.
@@ -54,28 +54,32 @@ struct FlightPair {
 /// Forward Euler and Tustin integration of the PID's integrals; the simplified and the full model
 /// of the optical flow, both with as_the_model_project(); the position from the filtered velocity
 /// and from the flow velocity; or two gains.
-/// @param what   one of compared_things()
-/// @param gains  the two gains to compare, as in FlightOptions::gains; used for "gains" only
+/// @param what    one of compared_things()
+/// @param flight  options that both flights share
+/// @param gains   the two gains to compare, as in FlightOptions::gains; used for "gains" only
 /// @throws OptionError  if `flight` sets the option that is compared
 [[nodiscard]] FlightPair flight_pair(const std::string& what, FlightOptions flight,
                                      const std::array<std::string, 2>& gains = {});
 
 /// Plans both flights, so that an error in the second is reported before the first is flown.
-/// @param who  name of the caller, e.g. "compare", for the message of NoSolution
+/// @param pair  from flight_pair()
+/// @param who   name of the caller, e.g. "compare", for the message of NoSolution
 /// @throws OptionError, InvalidInput, FileError, NoSolution  as plan_flight() and keep_log()
 [[nodiscard]] std::array<PlannedFlight, 2> plan_both(const FlightPair& pair,
                                                      const std::string& who);
 
 /// Two flights with their logs.
 struct ComparedFlights {
-  std::string what;  ///< as FlightPair
-  std::array<std::string, 2> names;
-  std::array<FlownFlight, 2> flights;
-  FlightDifference difference;
+  std::string what;                    ///< as FlightPair
+  std::array<std::string, 2> names;    ///< as FlightPair
+  std::array<FlownFlight, 2> flights;  ///< with their logs
+  FlightDifference difference;         ///< of the second from the first
 };
 
 /// Flies both with fly_planned().
+/// @param pair   from flight_pair()
 /// @param plans  from plan_both()
+/// @param stop   called regularly; if it returns true, Interrupted is thrown
 /// @throws Interrupted  if `stop` returned true
 [[nodiscard]] ComparedFlights fly_both(const FlightPair& pair, std::array<PlannedFlight, 2> plans,
                                        const std::function<bool()>& stop = {});

@@ -18,7 +18,7 @@ namespace quadtune {
 
 /// A flight setup, with a description of its choices.
 struct PlannedFlight {
-  FlightSetup setup;
+  FlightSetup setup;                     ///< for quadtune::fly()
   FlightOptions options = {};            ///< from which it was planned
   std::string law;                       ///< ChosenLaw::words
   std::optional<MarginsReport> margins;  ///< ChosenLaw::margins
@@ -43,7 +43,8 @@ struct PlannedFlight {
 void require_flight_words(const FlightOptions& options);
 
 /// Plans a flight with the vehicle, mission and law that the options name.
-/// @param who  name of the caller, e.g. "fly", for the message of NoSolution
+/// @param options  of the flight
+/// @param who      name of the caller, e.g. "fly", for the message of NoSolution
 /// @throws OptionError, InvalidInput, FileError, NoSolution
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const std::string& who);
 
@@ -60,9 +61,10 @@ void require_flight_words(const FlightOptions& options);
 [[nodiscard]] std::string why_no_estimator(const Vehicle& vehicle);
 
 /// The estimator, with its numbers, of a flight of the vehicle with its own sensors.
-/// @param name  as in FlightOptions::estimator; empty: according to the sensors
-/// @param dt    control period [s]
-/// @return      no value for true states
+/// @param vehicle  with its sensors
+/// @param name     as in FlightOptions::estimator; empty: according to the sensors
+/// @param dt       control period [s]
+/// @return         no value for true states
 [[nodiscard]] std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle,
                                                               const std::string& name, double dt);
 

@@ -20,20 +20,20 @@ namespace quadtune {
 
 /// The verdict of one of several flights that differ only in their seed.
 struct SeedVerdict {
-  std::uint64_t seed = 0;
-  bool passed = false;
-  FlightEnd end = FlightEnd::completed;
-  MetricValues metrics;
-  std::string reason;  ///< the first of reasons(); empty if it passed
+  std::uint64_t seed = 0;                ///< of the flight
+  bool passed = false;                   ///< the verdict
+  FlightEnd end = FlightEnd::completed;  ///< how the flight ended
+  MetricValues metrics;                  ///< of the flight
+  std::string reason;                    ///< the first of reasons(); empty if it passed
 };
 
 /// A simulated flight and its verdict.
 struct FlownFlight {
-  PlannedFlight plan;
-  FlightResult result;
-  Verdict verdict;    ///< according to the mission's limits
-  double wall_s = 0;  ///< computing time [s]
-  bool passed = false;
+  PlannedFlight plan;   ///< from which it was flown
+  FlightResult result;  ///< end, metrics and log
+  Verdict verdict;      ///< according to the mission's limits
+  double wall_s = 0;    ///< computing time [s]
+  bool passed = false;  ///< the mission's limits hold, and the flown loop is not unstable
   /// The flown loop at the mission's hover, if judge_loop() was called. A flight with an unstable
   /// loop fails.
   std::optional<FlownLoop> loop = {};
@@ -57,6 +57,7 @@ void judge_loop(FlownFlight& flight);
 ///     const FlownFlight hover = fly(load_vehicle("mambo"));
 ///     for (const std::string& why : reasons(hover)) std::cerr << why << '\n';
 ///
+/// @param vehicle  valid
 /// @param options  `vehicle` is ignored
 /// @param stop     called regularly; if it returns true, Interrupted is thrown
 /// @throws OptionError   if an option does not accept its value; names the option
@@ -67,11 +68,14 @@ void judge_loop(FlownFlight& flight);
                               const std::function<bool()>& stop = {});
 
 /// Flies and evaluates a planned flight.
+/// @param plan  from plan_flight()
 /// @param stop  as fly()
 [[nodiscard]] FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop = {});
 
 /// Flies a planned flight with the seeds s, s + 1, …, s + count - 1, where s is the plan's.
+/// @param plan   from plan_flight()
 /// @param count  ≥ 1
+/// @param stop   as fly()
 /// @return       one result of fly_planned() per seed
 /// @throws       as fly()
 [[nodiscard]] std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
@@ -85,7 +89,11 @@ void take_program(FlightOptions& options);
 
 /// Flies a planned flight as fly_seeds() does, but with the compiled program of an export of flight
 /// code instead of the law, the estimator and the allocation.
+/// @param plan       its law was read from `directory`
 /// @param directory  export from which the law of the plan was read
+/// @param target     host or ARM under an emulator
+/// @param count      number of seeds, ≥ 1
+/// @param stop       as fly()
 /// @throws OptionError              if the plan clips its commands
 /// @throws FileError, InvalidInput  as CompiledProgram
 [[nodiscard]] std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan,

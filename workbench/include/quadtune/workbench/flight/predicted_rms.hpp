@@ -21,9 +21,11 @@ struct PredictedRms {
   Eigen::VectorXd turned;
 };
 
-/// @param time  [s], > 0. States that the sensors observe are stationary after some seconds; the
-///              others drift without bound.
-/// @return      infinite entries if the loop is unstable
+/// @param plan     of a hover
+/// @param time     [s], > 0. States that the sensors observe are stationary after some seconds; the
+///                 others drift without bound.
+/// @param options  height of the hover, and evidence
+/// @return         infinite entries if the loop is unstable
 /// @throws InvalidInput  as flown_plant(), or if the time is not positive
 [[nodiscard]] PredictedRms predicted_rms(const PlannedFlight& plan, double time,
                                          const FlownLoopOptions& options = {});

@@ -39,10 +39,12 @@ struct SensorBoundOptions {
 
 /// The error of the optimal filter along a flight.
 struct SensorBound {
-  std::vector<double> time;             ///< of the outputs [s], equally spaced
-  ErrorCovariance north, east, height;  ///< [m²]
-  ErrorCovariance heading;              ///< [rad²]
-  std::vector<std::string> used;        ///< descriptions of the sensors that the filter uses
+  std::vector<double> time;       ///< of the outputs [s], equally spaced
+  ErrorCovariance north,          ///< position, north axis [m²]
+      east,                       ///< position, east axis [m²]
+      height;                     ///< height [m²]
+  ErrorCovariance heading;        ///< [rad²]
+  std::vector<std::string> used;  ///< descriptions of the sensors that the filter uses
 };
 
 /// The midpoints of equal intervals of a flight; the last time is its end [s].
@@ -62,22 +64,23 @@ struct SensorBound {
 
 /// The bound in terms of the metrics of a mission.
 struct MissionBound {
-  SensorBoundOptions options;
-  SensorBound bound;
-  ErrorSize tracking;         ///< of the position, over the periods in which tracking is evaluated
-                              ///< [m]
-  ErrorSize height;           ///< its vertical part [m]
-  ErrorSize heading;          ///< [rad]
-  ErrorSize estimate;         ///< of the position over the whole flight [m]
-  double horizontal_rms = 0;  ///< over the periods in which tracking is evaluated [m]
-  double horizontal_end = 0;  ///< √E‖e‖² at the end [m]
-  double height_end = 0;      ///< likewise [m]
-  double heading_end = 0;     ///< likewise [rad]
-  double final_rarely = 0;    ///< exceeded by the position error at the end in one of 1000 flights
-                              ///< [m]
-  double drift_rarely = 0;    ///< exceeded by its horizontal part likewise [m]
+  SensorBoundOptions options;  ///< sensors, rates and path of the bound
+  SensorBound bound;           ///< error covariances over time
+  ErrorSize tracking;          ///< of the position, over the periods in which tracking is evaluated
+                               ///< [m]
+  ErrorSize height;            ///< its vertical part [m]
+  ErrorSize heading;           ///< [rad]
+  ErrorSize estimate;          ///< of the position over the whole flight [m]
+  double horizontal_rms = 0;   ///< over the periods in which tracking is evaluated [m]
+  double horizontal_end = 0;   ///< √E‖e‖² at the end [m]
+  double height_end = 0;       ///< likewise [m]
+  double heading_end = 0;      ///< likewise [rad]
+  double final_rarely = 0;     ///< exceeded by the position error at the end in one of 1000 flights
+                               ///< [m]
+  double drift_rarely = 0;     ///< exceeded by its horizontal part likewise [m]
   /// Relative to the mission's steps, along the step; the maximum over several steps.
-  ErrorSize overshoot, yaw_overshoot;
+  ErrorSize overshoot,  ///< of the position
+      yaw_overshoot;    ///< of the yaw
 };
 
 /// @return  no value for ideal sensors, the true state, a motor test, or without inertial sensors

@@ -35,6 +35,7 @@ struct WidenedLimit {
 ///
 /// All other limits, and those that are already wider, stay unchanged.
 ///
+/// @param bound    of the mission's sensors
 /// @param mission  its limits and settling rule are changed
 /// @return         the changes, in the order of the mission's limits
 std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& mission);

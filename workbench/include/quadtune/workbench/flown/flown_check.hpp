@@ -25,12 +25,14 @@ struct FlownLaw {
   /// none.
   std::string problem;
 
+  /// Whether the loop was analysed and no mode of it grows.
   [[nodiscard]] bool holds() const { return loop && !loop->grows(); }
 };
 
 /// Analyses the flown loop of each law at a hover at 1.1 m, with the sensors of the vehicle and the
 /// estimator that they support.
 ///
+/// @param vehicle    valid
 /// @param gains      not analysed unless has_flown_loop(), nor without a sample period
 /// @param cascade    a PID cascade
 /// @param estimator  with which the laws were designed; none: according to the gains' convention
@@ -52,6 +54,8 @@ struct FlownLaw {
                                                const std::string& convention);
 
 /// A hover under an exported law, as analysed by flown_laws().
+/// @param vehicle     valid
+/// @param controller  the law
 /// @param stored      estimator with which the law was designed
 /// @param convention  of the gains; without a stored estimator it selects that of its flight
 ///                    program; empty: according to the sensors

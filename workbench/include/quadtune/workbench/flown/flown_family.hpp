@@ -11,17 +11,20 @@
 
 namespace quadtune {
 
+/// One variant of the vehicle, with its flown plant.
 struct FlownFamilyMember {
   std::string name;     ///< e.g. "at 3 m", "20 % lighter, lag 40 % longer"
   double height = 1.1;  ///< of the hover [m]
   double mass = 1;      ///< factors on the values of the vehicle file
-  double lag = 1;
+  double lag = 1;       ///< factor on the motor lags
   bool nominal = true;  ///< both factors are 1
-  FlownPlant plant;
+  FlownPlant plant;     ///< with the member's mass, lag and height
 };
 
 /// The members, with the vehicle's own sensors. Heights differ only if the estimator uses a sensor
 /// that depends on the height.
+/// @param vehicle    valid
+/// @param inputs     quantities that the law commands
 /// @param dt         control period of the law [s]
 /// @param estimator  as FlightOptions::estimator; empty: the vehicle's usual one
 /// @throws InvalidInput  as flown_plant()

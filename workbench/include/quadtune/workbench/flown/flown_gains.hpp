@@ -22,29 +22,31 @@ namespace quadtune {
 
 /// The gains of one group of axes and their results.
 struct FlownAxisGains {
-  FlownAxis axis = FlownAxis::north;
+  FlownAxis axis = FlownAxis::north;  ///< group of axes
   /// u = -F y, where y are the estimates of states_of(axis) and the integral of the first of them.
   Eigen::RowVectorXd F;
   double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s], see with_tilt_integral(); 0: no
                              ///< integral
-  FixedGainsResult search;
+  FixedGainsResult search;   ///< how the gains were found
   std::vector<LoopMargins> margins;  ///< at the law's output, of each member of the family
 };
 
+/// Gains of all groups of axes.
 struct FlownGains {
-  std::vector<FlownAxisGains> axes;  ///< in the order of kFlownAxes
-  std::vector<FlownFamilyMember> family;
-  std::vector<std::string> notes;  ///< for the designer, e.g. about a bound that is not met
+  std::vector<FlownAxisGains> axes;       ///< in the order of kFlownAxes
+  std::vector<FlownFamilyMember> family;  ///< vehicles for which the gains were designed
+  std::vector<std::string> notes;         ///< for the designer, e.g. about a bound that is not met
 
   /// The worst margins of the nominal members; the other members are only required to be stable.
   [[nodiscard]] double Ms() const;
-  [[nodiscard]] double disk() const;
+  [[nodiscard]] double disk() const;  ///< the smallest disk margin, likewise
 };
 
 /// The maximum tilt [rad] that a loop without an integral may have under the torque of a motor that
 /// produces 10 % less thrust than the others at hover.
 inline constexpr double kMaxLoadTilt = 0.1;
 
+/// Options of flown_gains().
 struct FlownGainsOptions {
   double dt = 0.005;    ///< control period [s], > 0
   double now = 0;       ///< as with_integrals(): 0 for a cascade, 1 for state feedback
@@ -69,6 +71,9 @@ struct FlownGainsOptions {
 
 /// Designs some groups of axes again, from their present gains, e.g. with a smaller axis_Ms. The
 /// bounds are met less accurately than by flown_gains(): one search instead of up to three.
+/// @param gains    from flown_gains(); receives the new gains of these groups
+/// @param groups   to be designed again
+/// @param vehicle  that of `gains`
 /// @param options  as those of `gains` except for bounds and axis_Ms
 void redesign(FlownGains& gains, const std::vector<FlownAxis>& groups, const Vehicle& vehicle,
               const FlownGainsOptions& options);

@@ -24,8 +24,9 @@ struct FlownLoopOptions {
   MarginsEvidence evidence = MarginsEvidence::essential;
 };
 
+/// A flown loop with its poles and margins.
 struct FlownLoop {
-  FlownLoopOptions at;
+  FlownLoopOptions at;             ///< hover and evidence of the analysis
   double dt = 0;                   ///< control period [s]
   std::size_t period = 1;          ///< N: the sample clocks repeat after N control periods
   std::string estimator;           ///< PlannedFlight::estimator

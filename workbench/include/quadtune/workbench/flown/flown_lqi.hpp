@@ -21,16 +21,17 @@ namespace quadtune {
 struct FlownMargins {
   double phase = 0.7853981633974483;  ///< [rad], 45°
   double gain = 2;                    ///< 6 dB, up and down
-  double disk = 0.5;
+  double disk = 0.5;                  ///< disk margin alpha
 };
 
 /// The smallest ratio of a loop's margins to the required ones: 1 or more if all are met, 0 if the
 /// loop is unstable.
 [[nodiscard]] double share_of(const LoopMargins& margins, const FlownMargins& asked);
 
+/// Options of flown_lqi().
 struct FlownLqiOptions {
-  double dt = 0.005;  ///< control period [s], > 0
-  FlownMargins margins;
+  double dt = 0.005;                                          ///< control period [s], > 0
+  FlownMargins margins;                                       ///< that every loop must have
   std::vector<std::string> integrals = standard_integrals();  ///< states that are integrated
   /// None: by Bryson's rule, softened until the margins are met. Given weights are not changed.
   std::optional<ActuatorLqiWeights> weights = {};
@@ -40,13 +41,14 @@ struct FlownLqiOptions {
   int min_past = 0;  ///< minimum of the tried numbers if `past` is none
 };
 
+/// A state feedback with its margins.
 struct FlownLqi {
-  ActuatorLqi lqi;
+  ActuatorLqi lqi;                             ///< gains with the evidence of the solver
   ActuatorLqiWeights weights;                  ///< after softening
   std::array<double, 4> softened{1, 1, 1, 1};  ///< factors on R, in the order of kFlownAxes
   /// Divisors of the weights of px, py, pz and yaw and of their integrals, in the same order.
   std::array<double, 4> lowered{1, 1, 1, 1};
-  std::vector<FlownFamilyMember> family;
+  std::vector<FlownFamilyMember> family;  ///< vehicles for which the law was designed
   /// For each group of axes (rows, in the order of kFlownAxes) at each member of the family.
   std::array<std::vector<LoopMargins>, 4> margins;
   bool met = false;  ///< whether every channel has its margins
@@ -62,7 +64,9 @@ struct FlownLqi {
 
 /// The loop of one group of axes at a member, cut at the law's output. States of the law that
 /// belong to other groups are omitted.
-/// @param law  flown_law() of gains from the 12 states to the wrench
+/// @param plant  of a member of the family
+/// @param axis   group of axes
+/// @param law    flown_law() of gains from the 12 states to the wrench
 [[nodiscard]] PeriodicLti axis_loop(const FlownPlant& plant, FlownAxis axis,
                                     const DiscreteLti& law);
 

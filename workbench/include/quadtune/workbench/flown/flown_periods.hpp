@@ -21,6 +21,7 @@ struct FlownPeriod {
 
 /// The flown loop of the same gains at each period, with the vehicle's own sensors and its default
 /// estimator. The gains are not changed; sampled integrals use the period.
+/// @param vehicle  valid
 /// @param law      without a memory of its own commands, which is specific to one period
 /// @param periods  [s], > 0
 /// @throws InvalidInput  if the law has such a memory; as plan_flight()

@@ -35,13 +35,14 @@ struct LinkTarget {
 
 /// A command with the frames that represent it.
 struct LinkMessage {
-  LinkCommand command;
+  LinkCommand command;             ///< as it was given
   std::vector<LinkCommand> parts;  ///< one for each frame, in the order in which they are sent
 };
 
 /// The frames of a command. There is one frame, except for a command without a sequence number that
 /// stops the vehicle: the native firmware orders frames by number, so four frames are sent whose
 /// numbers are a quarter of the range apart, one of which is newer than any earlier frame.
+/// @param command   of any firmware
 /// @param sequence  native firmware: the number of the frame, 0 to 255
 /// @throws OptionError  "sequence", if it is missing for a command of the native firmware that does
 ///                      not stop the vehicle, exceeds 255, or is given for the firmware simulink,
@@ -62,6 +63,7 @@ struct LinkOptions {
 /// @throws OptionError  "timeout", "tries" or "local-port", if the number is out of range
 void require_valid(const LinkOptions& options);
 
+/// What became of the frames.
 enum class LinkStatus {
   answered,     ///< every frame was acknowledged (native), or a reply was received (simulink)
   sent,         ///< everything was sent; no reply is expected
@@ -74,10 +76,10 @@ enum class LinkStatus {
 
 /// Frames sent and replies received.
 struct LinkDelivery {
-  LinkStatus status = LinkStatus::unanswered;
-  std::size_t sent = 0;          ///< frames, repetitions included
-  std::size_t acknowledged = 0;  ///< frames of the message; native firmware
-  LinkFrame reply;               ///< firmware simulink, whose replies are not documented
+  LinkStatus status = LinkStatus::unanswered;  ///< what became of the frames
+  std::size_t sent = 0;                        ///< frames, repetitions included
+  std::size_t acknowledged = 0;                ///< frames of the message; native firmware
+  LinkFrame reply;  ///< firmware simulink, whose replies are not documented
 };
 
 /// Sends a message and waits for the reply.

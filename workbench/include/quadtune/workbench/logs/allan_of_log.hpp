@@ -19,8 +19,8 @@ namespace quadtune {
 
 /// The analysed data: an evenly sampled rate.
 struct AllanRecord {
-  std::string log;
-  std::string column;
+  std::string log;                         ///< path of the log
+  std::string column;                      ///< name of the column
   std::string unit;                        ///< of the rate; may be empty
   Eigen::VectorXd rate;                    ///< (n)
   double dt = 0;                           ///< [s]
@@ -36,15 +36,15 @@ struct AllanOptions {
   /// Whether the column is the rate's integral, in s, or an angle in rad or deg. A wrapped angle is
   /// unwrapped: whole turns are added at jumps of more than half a turn.
   bool phase = false;
-  AllanTaus taus = AllanTaus::octaves;
-  LogOptions reading = {};
-  LogNote note = {};  ///< receives warnings
+  AllanTaus taus = AllanTaus::octaves;  ///< averaging factors of the curve
+  LogOptions reading = {};              ///< how the log is read
+  LogNote note = {};                    ///< receives warnings
 };
 
 /// A record and its Allan deviation.
 struct SensorAllan {
-  AllanRecord record;
-  AllanAnalysis analysis;
+  AllanRecord record;      ///< the rate
+  AllanAnalysis analysis;  ///< its deviation and noise coefficients
 };
 
 /// Reads a channel of a stationary sensor and identifies its noises.
@@ -55,6 +55,7 @@ struct SensorAllan {
 /// The same for the simulated rate of a gyroscope whose noise is known.
 /// @param seed  of its noise
 /// @param unit  of the rate in the result; empty: rad/s
+/// @param taus  averaging factors of the curve
 [[nodiscard]] SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit,
                                              AllanTaus taus);
 

@@ -16,9 +16,10 @@ namespace quadtune {
 [[nodiscard]] NoiseMethod noise_method(const std::string& word);
 
 /// Parses texts "NAME=WORD" to names and words.
-/// @param key   of the option, e.g. "map"
-/// @param name  placeholder of the name in messages, e.g. "STATE"
-/// @param word  placeholder of the word in messages, e.g. "CHANNEL"
+/// @param texts  one for each item
+/// @param key    of the option, e.g. "map"
+/// @param name   placeholder of the name in messages, e.g. "STATE"
+/// @param word   placeholder of the word in messages, e.g. "CHANNEL"
 /// @throws OptionError  naming the key, if the name or the word of a text is missing
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> named_words(
     const std::vector<std::string>& texts, const std::string& key, const std::string& name,
@@ -28,6 +29,7 @@ namespace quadtune {
 [[nodiscard]] std::vector<std::pair<std::string, double>> named_numbers(
     const std::vector<std::string>& texts, const std::string& key);
 
+/// Numbers that override those of a model.
 struct FilterChoice {
   std::vector<std::string> fixed;                      ///< parameters that are not tuned
   std::vector<std::pair<std::string, double>> starts;  ///< parameters and their initial values in

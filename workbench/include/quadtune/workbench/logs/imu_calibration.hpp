@@ -19,25 +19,29 @@ namespace quadtune {
 /// a sensor that must not be read. By default, ax ay az, gx gy gz, mx my mz and temperature are
 /// read if the log has them.
 struct ImuChannels {
-  std::optional<std::vector<std::string>> accelerometer, gyroscope, magnetometer;
+  std::optional<std::vector<std::string>>
+      accelerometer,                       ///< names of the channels of the specific force
+      gyroscope,                           ///< names of the channels of the rates
+      magnetometer;                        ///< names of the channels of the magnetic field
   std::optional<std::string> temperature;  ///< empty: none
   double temperature_scale = 1;            ///< [°C] per unit of that channel
 };
 
+/// Logs, and how they are read and calibrated.
 struct ImuLogOptions {
-  std::vector<std::string> logs;         ///< logs of one device that is stationary in many poses
-  std::optional<std::uint64_t> made_up;  ///< seed of a simulated device instead of logs
-  ImuChannels channels = {};
-  LogOptions reading = {};
-  ImuCalibrationOptions calibration = {};
-  LogNote note = {};  ///< receives warnings
+  std::vector<std::string> logs;           ///< logs of one device that is stationary in many poses
+  std::optional<std::uint64_t> made_up;    ///< seed of a simulated device instead of logs
+  ImuChannels channels = {};               ///< names of the sensors' channels
+  LogOptions reading = {};                 ///< how the logs are read
+  ImuCalibrationOptions calibration = {};  ///< options of the fit
+  LogNote note = {};                       ///< receives warnings
 };
 
 /// A calibration with its input.
 struct CalibratedImu {
-  std::vector<ImuLog> logs;
-  ImuCalibrationOptions options;
-  ImuCalibration found;
+  std::vector<ImuLog> logs;           ///< in raw units
+  ImuCalibrationOptions options;      ///< of the fit
+  ImuCalibration found;               ///< the calibration
   std::optional<SimulatedImu> truth;  ///< of a simulated device
   std::vector<std::string> warnings;  ///< from the readers of the logs
 };

@@ -18,8 +18,9 @@ using LogNote = std::function<void(const std::string& line)>;
 [[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
 
 /// The same, with the file's name before each.
-/// @param file  name of the file in messages
-/// @param note  receives each of them, after "warning: "
+/// @param condition  of the log
+/// @param file       name of the file in messages
+/// @param note       receives each of them, after "warning: "
 [[nodiscard]] std::vector<std::string> noted_log_warnings(const LogCondition& condition,
                                                           const std::string& file,
                                                           const LogNote& note);

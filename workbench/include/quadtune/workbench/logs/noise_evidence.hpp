@@ -21,22 +21,26 @@ struct NoiseRun {
   std::vector<RunningSize> size;  ///< for each output, over a fiftieth of its innovations, 20 … 500
   bool smoothed = false;          ///< whether the states are those of the smoother, otherwise of
                                   ///< the filter
-  SampleMatrix x, x_variance;     ///< (nx × N) means, and their variances
+  SampleMatrix x,                 ///< (nx × N) means of the states
+      x_variance;                 ///< (nx × N) their variances
 };
 
 /// The runs over one record. The gates of the sensors are open, because the record no longer
 /// contains the samples that they reject.
 struct NoiseRuns {
-  std::size_t fitted = 0;                 ///< number of instants used in the fit, from the
-                                          ///< beginning
-  std::optional<NoiseRun> before, after;  ///< none if the filter failed
+  std::size_t fitted = 0;          ///< number of instants used in the fit, from the
+                                   ///< beginning
+  std::optional<NoiseRun> before,  ///< with the covariances before; none if the filter failed
+      after;                       ///< with those after, likewise
 };
 
+/// The profile of one parameter.
 struct ParameterProfile {
   std::size_t parameter = 0;  ///< in FilterModel::parameters
-  LikelihoodProfile profile;
+  LikelihoodProfile profile;  ///< of its likelihood
 };
 
+/// Runs and profiles of a tuning.
 struct NoiseEvidence {
   double holdout = 0;                      ///< share of each record that was excluded from the fit
   std::vector<NoiseRuns> records;          ///< corresponds to NoiseTuning::records_after

@@ -16,14 +16,17 @@ namespace quadtune {
 
 /// Channels of a sensor, and the warnings of the logs' readers.
 struct SensorLog {
-  std::vector<LogSeries> series;
+  std::vector<LogSeries> series;      ///< in the order of the names
   std::vector<std::string> warnings;  ///< as noted_log_warnings()
 };
 
 /// Reads series with increasing times: `names`, then those of `optional`; optional series that the
-/// log lacks are empty. A name CHANNEL@FILE refers to another file, whose times have the same
+/// log lacks are empty. A name `CHANNEL@FILE` refers to another file, whose times have the same
 /// epoch; the series keeps this name.
+/// @param path      of the log
+/// @param names     channels that the log must have
 /// @param optional  names of channels of the log itself
+/// @param options   how the log is read
 /// @param note      receives the warnings
 /// @throws MissingOption  if a log has no times and neither a rate nor a clock is given
 /// @throws InvalidInput, FileError  as read_channels() and require_usable()

@@ -14,11 +14,17 @@ namespace quadtune {
 
 /// Flown loops with the sensors and the estimator of the first mission.
 struct FlownEvidence {
-  std::optional<FlownLoop> before, after, rival;  ///< none without a controller or a flown plant
-  std::string why;                                ///< why there is no flown plant, or empty
+  std::optional<FlownLoop>
+      before,       ///< with the initial gains; none without a controller or a flown plant
+      after,        ///< with the tuned gains, likewise
+      rival;        ///< with the rival's gains, likewise
+  std::string why;  ///< why there is no flown plant, or empty
 };
 
-/// @param first  plan of the first mission; its controller is replaced
+/// @param first   plan of the first mission; its controller is replaced
+/// @param before  initial gains
+/// @param after   tuned gains
+/// @param rival   gains that the result is compared with
 [[nodiscard]] FlownEvidence flown_evidence(const PlannedFlight& first,
                                            const std::optional<Controller>& before,
                                            const std::optional<Controller>& after,

@@ -25,23 +25,24 @@ struct MethodErrors {
 
 /// An implemented law, on the flown plant at all periods.
 struct FlownMethod {
-  std::string name;  ///< as MethodErrors
-  std::vector<FlownPeriod> periods;
+  std::string name;                  ///< as MethodErrors
+  std::vector<FlownPeriod> periods;  ///< one for each period of MethodComparison
 };
 
 /// A law that was designed in continuous time. The channels of its loop are set points and outputs,
 /// in the order px, py, pz, yaw.
 struct ComparedLaw {
-  std::string name;   ///< "lqr", "cascade"
-  std::string about;  ///< how it was designed
-  ContinuousLti loop;
-  DiscreteLti run;  ///< the loop of the law as implemented with MethodComparison::dt and Euler
-                    ///< integrals
-  std::string why;  ///< why nothing is compared; otherwise empty
-  std::vector<MethodErrors> methods = {};
-  std::vector<FlownMethod> flown = {};  ///< empty if not requested
+  std::string name;    ///< "lqr", "cascade"
+  std::string about;   ///< how it was designed
+  ContinuousLti loop;  ///< continuous, cut at the inputs of the plant
+  DiscreteLti run;     ///< the loop of the law as implemented with MethodComparison::dt and Euler
+                       ///< integrals
+  std::string why;     ///< why nothing is compared; otherwise empty
+  std::vector<MethodErrors> methods = {};  ///< one for each method
+  std::vector<FlownMethod> flown = {};     ///< empty if not requested
 };
 
+/// Errors of every method for the laws of a vehicle.
 struct MethodComparison {
   std::string vehicle;              ///< name
   double dt = 0;                    ///< [s]
@@ -62,9 +63,10 @@ struct MethodComparison {
 struct MinMargins {
   double phase = std::numeric_limits<double>::infinity();  ///< [rad]
   double Ms = 0;                                           ///< maximum
-  double disk = 2;
+  double disk = 2;                                         ///< smallest disk margin alpha
 };
 
+/// The worst margins of a loop's channels.
 [[nodiscard]] MinMargins min_margins(const FlownLoop& loop);
 
 }  // namespace quadtune

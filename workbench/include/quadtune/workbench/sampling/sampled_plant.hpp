@@ -14,15 +14,16 @@
 
 namespace quadtune {
 
+/// How a plant is sampled.
 struct SamplingOptions {
-  DiscretizationMethod method = DiscretizationMethod::zoh;
-  double dt = 0;                       ///< sample period [s], > 0
+  DiscretizationMethod method = DiscretizationMethod::zoh;  ///< how the plant is sampled
+  double dt = 0;                                            ///< sample period [s], > 0
   std::optional<double> prewarp = {};  ///< frequency at which tustin is exact [rad/s], in (0, π/dt)
 };
 
 /// A plant and the options with which it was computed.
 struct SampledPlant {
-  SamplingOptions by;
+  SamplingOptions by;  ///< the options
   /// Discrete if a continuous plant was sampled, continuous if a discrete one was converted.
   std::variant<DiscreteLti, ContinuousLti, DiscreteTransferFunction, ContinuousTransferFunction>
       plant;
@@ -48,14 +49,23 @@ void require_prewarp(const SamplingOptions& options);
 /// @throws InvalidInput  as discretize()
 [[nodiscard]] SampledPlant sampled_plant(const ContinuousLti& plant, const ChannelDelays& delays,
                                          const SamplingOptions& options);
+
+/// The same for a transfer function, which has its own delay.
 [[nodiscard]] SampledPlant sampled_plant(const ContinuousTransferFunction& plant,
                                          const SamplingOptions& options);
 
 /// Converts a plant with period `options.dt` to continuous time.
-/// @param delay  of the transfer function [s], whole samples
-/// @throws OptionError   "delay", if it is negative or not a whole number of samples
+/// @param plant    its dt is ignored
+/// @param options  method zoh or tustin, and the period
 /// @throws InvalidInput  as to_continuous(), and for methods other than zoh and tustin
 [[nodiscard]] SampledPlant continuous_plant(DiscreteLti plant, const SamplingOptions& options);
+
+/// The same for a transfer function with a delay.
+/// @param plant    its dt and its delay are ignored
+/// @param delay    [s], whole samples
+/// @param options  method zoh or tustin, and the period
+/// @throws OptionError   "delay", if it is negative or not a whole number of samples
+/// @throws InvalidInput  likewise
 [[nodiscard]] SampledPlant continuous_plant(DiscreteTransferFunction plant, double delay,
                                             const SamplingOptions& options);
 

@@ -11,6 +11,7 @@ namespace quadtune {
 
 /// Parses "speed=0:0.5:10, mass=1" to axes, each first:step:last or one value. The last value
 /// belongs to the axis: a step that does not reach it is rejected.
+/// @param text   one or more axes, separated by commas
 /// @param where  prefix of InvalidInput, e.g. "--schedule"
 /// @throws OptionError   "schedule", if the text is malformed or the steps do not reach the last
 ///                       value

@@ -13,6 +13,7 @@
 
 namespace quadtune {
 
+/// A gain schedule with messages.
 struct ScheduleReport {
   GainSchedule schedule;  ///< with at least one gain
   /// "note: …" about the linear models and the computing time, "warning: …" about points without a
@@ -21,7 +22,11 @@ struct ScheduleReport {
 };
 
 /// Solves with gain_schedule().
-/// @param where  file or vehicle, for the message of NoSolution
+/// @param vehicle  valid
+/// @param axes     at least one; the last varies fastest
+/// @param design   weights, states and inputs of the law
+/// @param options  heading and number of threads
+/// @param where    file or vehicle, for the message of NoSolution
 /// @throws NoSolution  if no point has a gain
 /// @throws InvalidInput, Interrupted  as gain_schedule()
 [[nodiscard]] ScheduleReport schedule_report(const Vehicle& vehicle, std::vector<ScheduleAxis> axes,
@@ -31,9 +36,11 @@ struct ScheduleReport {
 
 /// Number of points with one status.
 struct PointTally {
-  std::size_t count = 0;
+  std::size_t count = 0;   ///< number of points
   Eigen::Index first = 0;  ///< index of the first of them; 0 if there is none
 };
+
+/// Counts the points of a schedule with this status.
 [[nodiscard]] PointTally tally(const GainSchedule& schedule, PointStatus status);
 
 /// "speed 8, mass 1" for a point of the schedule.

@@ -18,8 +18,10 @@ enum class QuantityUnit {
 
 /// Reads a number followed by a unit, with or without blanks between them. A unit is required,
 /// because 1.2 may be kilograms or pounds.
-/// @param key  of the option, for messages, e.g. "mass"
-/// @return     the value in SI units, > 0
+/// @param text  number and unit
+/// @param unit  the kind of quantity, which determines the units
+/// @param key   of the option, for messages, e.g. "mass"
+/// @return      the value in SI units, > 0
 /// @throws OptionError  "mass is '1.2', expected a number with a unit: g, kg, oz or lb"
 [[nodiscard]] double read_quantity(const std::string& text, QuantityUnit unit,
                                    const std::string& key);

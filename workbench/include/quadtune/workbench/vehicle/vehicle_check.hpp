@@ -13,15 +13,16 @@ namespace quadtune {
 
 /// A vehicle that passed.
 struct VehicleCheck {
-  Vehicle vehicle;
+  Vehicle vehicle;                       ///< that can fly
   TrimResult hover;                      ///< solved
   std::vector<Implausibility> warnings;  ///< values outside their plausible ranges
 };
 
 /// A vehicle cannot hold a hover unless its rotors change thrust and all three torques
 /// independently: the four rows of wrench_jacobian(), normalized, must be linearly independent.
-/// @param hover  a solved trim of the vehicle
-/// @param name   the vehicle's name or file, for messages
+/// @param vehicle  valid
+/// @param hover    a solved trim of the vehicle
+/// @param name     the vehicle's name or file, for messages
 /// @throws NoSolution  naming the axis that no rotor changes, if there is one
 void require_authority(const Vehicle& vehicle, const TrimResult& hover, const std::string& name);
 

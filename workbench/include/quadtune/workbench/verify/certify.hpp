@@ -25,8 +25,8 @@ struct CertifyOptions {
   /// Ratios to the values in the vehicle file; 0 < low ≤ 1 ≤ high. See VehicleUncertainty. None: the
   /// [spread] of the file, or 0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1 if the file states none.
   std::optional<UncertainRange> mass = {};
-  std::optional<UncertainRange> inertia = {};
-  std::optional<UncertainRange> thrust = {};
+  std::optional<UncertainRange> inertia = {};  ///< of each moment of inertia, likewise
+  std::optional<UncertainRange> thrust = {};   ///< of the thrust and the drag torque, likewise
   /// [s], 0 ≤ low ≤ high ≤ kMaxDelayPeriods periods; none: from the delay of the motor commands to
   /// that delay plus its jitter and one control period.
   std::optional<UncertainRange> delay = {};
@@ -43,10 +43,10 @@ struct CertifyOptions {
 
 /// One law of an export.
 struct CertifiedLaw {
-  std::string name;  ///< "state feedback" or "cascade"
-  double dt = 0;     ///< [s]
-  LoopFamily family;
-  Robustness robustness;
+  std::string name;       ///< "state feedback" or "cascade"
+  double dt = 0;          ///< [s]
+  LoopFamily family;      ///< the loop as a function of mass, inertia, thrust, lag and delay
+  Robustness robustness;  ///< proof and largest box that is proved
   std::optional<FlownBox> flown = {};  ///< none if not requested
 
   /// Whether a vehicle of the box has a flown loop that grows.
@@ -59,14 +59,15 @@ struct CertifiedLaw {
   [[nodiscard]] std::string reason() const;
 };
 
+/// Verdicts on all laws of an export.
 struct CertifyReport {
-  std::string directory;
+  std::string directory;                   ///< of the export
   std::string vehicle;                     ///< name
   std::optional<VerifyCheck> failed = {};  ///< failed check of verify_directory() that ended the
                                            ///< certification; then there are no laws
-  std::vector<CertifiedLaw> laws = {};
+  std::vector<CertifiedLaw> laws = {};     ///< in the order of the manifest
 
-  [[nodiscard]] bool proved() const;
+  [[nodiscard]] bool proved() const;  ///< whether the loop of every law is proved stable
   /// "proved", "unstable" if the search found an unstable loop in the box, else "not proved".
   [[nodiscard]] std::string verdict() const;
 };
@@ -83,6 +84,7 @@ struct CertifyReport {
                                     const CertifyOptions& options = {});
 
 /// Describes a vehicle of the box: "mass 0.9, delay 0.01 s"; parameters without width are omitted.
+/// @param family  of the law
 /// @param values  one for each parameter of the family
 [[nodiscard]] std::string describe(const LoopFamily& family, const Eigen::VectorXd& values);
 

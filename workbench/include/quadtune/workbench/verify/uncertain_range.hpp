@@ -9,7 +9,8 @@
 namespace quadtune {
 
 /// Ratios to the value in the vehicle file: 0 < LOW ≤ 1 ≤ HIGH.
-/// @param key  of the option, e.g. "mass"
+/// @param text  LOW:HIGH, or one number
+/// @param key   of the option, e.g. "mass"
 /// @throws OptionError  naming the key
 [[nodiscard]] UncertainRange uncertain_ratios(const std::string& text, const std::string& key);
 

@@ -15,7 +15,9 @@ namespace quadtune {
 /// their line, as between machines; values derived from such numbers are left to the other checks.
 /// The options of the export (precision, firmware, adapter) are read from its files.
 ///
-/// @param outcome  of the design file that the manifest names
+/// @param directory  of the export
+/// @param manifest   of the export
+/// @param outcome    of the design file that the manifest names
 [[nodiscard]] VerifyCheck check_design(const std::filesystem::path& directory,
                                        const Manifest& manifest, const DesignOutcome& outcome);
 

@@ -16,6 +16,7 @@ namespace quadtune {
 inline constexpr char kForcedCheck[] = "the design holds what it is asked for";
 
 /// Verifies an export with the vehicle that its manifest names.
+/// @param directory  of the export
 /// @param vehicle  another vehicle or its file; empty: that of the manifest
 /// @param design   the design file from which it was made, which is solved again and compared; or
 ///                 another input of the manifest, whose hash is compared; empty: only the hashes of
@@ -29,8 +30,11 @@ inline constexpr char kForcedCheck[] = "the design holds what it is asked for";
                                             const std::string& design = "", bool arm = false);
 
 /// The same with a vehicle and inputs in memory.
-/// @param flown    known flown loops of these laws; null: they are computed
-/// @param targets  for which flight code is compiled
+/// @param directory  of the export
+/// @param vehicle    valid
+/// @param inputs     files from which the export may have been made
+/// @param flown      known flown loops of these laws; null: they are computed
+/// @param targets    for which flight code is compiled
 [[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
                                        const std::vector<InputAtHand>& inputs,
                                        const std::vector<FlownLaw>* flown = nullptr,
