@@ -124,7 +124,9 @@ TEST(LoopShape, ClosedFormAgreesWithFollowingTheArgument) {
     const ContinuousTransferFunction loop = loop_of(plant, gains);
     const LoopShape shape(plant, {gains.Tf > 0 ? 1 / gains.Tf : 1});
     if (loop.num.size() == loop.den.size() && !(std::abs(loop.num[0]) < 0.95 * loop.den[0])) {
-      if (std::abs(loop.num[0]) >= loop.den[0]) EXPECT_FALSE(shape.stable(gains)) << i;
+      if (std::abs(loop.num[0]) >= loop.den[0]) {
+        EXPECT_FALSE(shape.stable(gains)) << i;
+      }
       continue;
     }
     const double right = roots_in_the_right_half(loop);
