@@ -56,7 +56,7 @@ struct PidCascade {
 /// @throws InvalidInput  if the model is not that of a hovering vehicle with 12 states, if a
 ///                       period, lag or delay is out of range, or if a requirement is invalid as in
 ///                       CascadeLoopBounds.
-/// Theory: "PID synthesis".
+/// Theory: "PID cascade of a vehicle".
 [[nodiscard]] PidCascade pid_cascade(const CascadeVehicle& vehicle,
                                      const CascadeSpecification& specification);
 
