@@ -108,7 +108,7 @@ std::ostream& operator<<(std::ostream& out, const CascadeLoopDesign& design);
 ///
 /// @throws InvalidInput  if the plant is malformed (wrong shape, entries not finite, D ≠ 0) or a
 ///                       bound is out of range
-/// Theory: "PID synthesis".
+/// Theory: "PID cascade of a vehicle".
 [[nodiscard]] CascadeLoopDesign design_cascade_loop(const CascadePlant& plant,
                                                     const CascadeLoopBounds& bounds,
                                                     PidMethod method);
