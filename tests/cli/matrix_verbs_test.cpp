@@ -3,6 +3,8 @@
 /// placement, zeros and norms, discrete PID controllers, curves as numbers.
 #include <gmock/gmock.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -196,7 +198,57 @@ TEST(MatrixLqr, WithIntegralsOfOutputs) {
   const Json lqi =
       printed_json({"lqr", "--A", "0", "--B", "1", "--C", "1", "--Q", "0 0; 0 1", "--R", "1"});
   EXPECT_NEAR(lqi["K"][0][0], std::sqrt(2), 1e-12);
-  EXPECT_NEAR(lqi["K_int"][0][0], -1, 1e-12);  // u = -K x + K_int ∫(r - y): K_int = -K_i
+  EXPECT_NEAR(lqi["K_int"][0][0], 1, 1e-12);  // u = -K x + K_int ∫(r - y): K_int = K_i
+}
+
+// The law is closed as the documentation states it: u = -K x + K_int i - K_past u[k-1], where i is
+// the integral of r - y. With r = 0 the loop has the poles that are printed with it, and with
+// constant r its output becomes r.
+TEST(MatrixLqr, LawWithIntegralsHasThePrintedPolesAndFollowsTheSetPoint) {
+  const auto real_matrix = [](const Json& rows) {
+    Eigen::MatrixXd M(rows.size(), rows[0].size());
+    for (Eigen::Index i = 0; i < M.rows(); ++i)
+      for (Eigen::Index j = 0; j < M.cols(); ++j)
+        M(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    return M;
+  };
+  const std::vector<std::string> plant = {
+      "lqr", "--A", "0 1; 0 -0.5",           "--B", "0; 4", "--C",
+      "1 0", "--Q", "1 0 0; 0 0.1 0; 0 0 2", "--R", "0.2"};
+  const Eigen::Matrix2d A{{0, 1}, {0, -0.5}};
+  const Eigen::Vector2d B(0, 4);
+  {
+    const Json lqi = printed_json(plant);
+    const Eigen::RowVector2d K = real_matrix(lqi["K"]).leftCols(2);
+    const double K_int = lqi["K_int"][0][0];
+    Eigen::Matrix3d closed = Eigen::Matrix3d::Zero();  // states x, i with i' = r - x1
+    closed.topLeftCorner(2, 2) = A - B * K;
+    closed.topRightCorner(2, 1) = B * K_int;
+    closed(2, 0) = -1;
+    EXPECT_LT(closed.eigenvalues().real().maxCoeff(), -0.5);
+    const Eigen::Vector3d rest = closed.fullPivLu().solve(Eigen::Vector3d(0, 0, -1));  // r = 1
+    EXPECT_NEAR(rest(0), 1, 1e-12);
+  }
+  {
+    const double dt = 0.05;
+    std::vector<std::string> args = plant;
+    args.insert(args.end(), {"--sampled", "0.05", "--delay", "1"});
+    const Json lqi = printed_json(args);
+    const Eigen::MatrixXd Ad = real_matrix(lqi["sampled"]["A"]),
+                          Bd = real_matrix(lqi["sampled"]["B"]);
+    const Eigen::RowVector2d K = real_matrix(lqi["K"]).leftCols(2);
+    const double K_int = lqi["K_int"][0][0], K_past = lqi["K_past"][0][0];
+    double i = 0, past = 0;
+    Eigen::Vector2d x(0.3, 0);
+    for (int k = 0; k < 1000; ++k) {
+      const double u = -K * x + K_int * i - K_past * past;
+      i += dt * (1 - x(0));
+      x = Ad * x + Bd * past;
+      past = u;
+    }
+    EXPECT_NEAR(x(0), 1, 1e-9);
+    EXPECT_NEAR(x(1), 0, 1e-9);
+  }
 }
 
 TEST(MatrixLqr, DelayAndSampledMatrices) {

@@ -68,7 +68,7 @@ CALLS = [
      columns(j['sampled']['R']),
      'show(dlqr(Ad, Bd, Qd, Rd, Nd)); show(Qd); show(Nd); show(Rd)', '', 1e-8),
     ('lqi', ['lqr', *PLANT, '--C', '1 0', '--Q', '1 0 0; 0 0.1 0; 0 0 2', '--R', '0.2'],
-     lambda j: columns(j['K']) + [-j['K_int'][0][0]],
+     lambda j: columns(j['K']) + [j['K_int'][0][0]],
      'show(lqr([A [0; 0]; C 0], [B; 0], blkdiag(Q, 2), R))',
      'show(ct.lqr(ct.ss(A, B, C, 0), np.diag([1, 0.1, 2]), R, integral_action=C)[0])', 1e-9),
     ('delay', ['lqr', *PLANT, *WEIGHTS, '--sampled', '0.01', '--delay', '2'],

@@ -69,7 +69,7 @@ AugmentedLqr<DiscreteLti> discrete_problem(const MatrixLqrProblem& problem, Samp
 /// Splits the gain of all states.
 void split_gain(const MatrixXd& K, Index nx, Index ny, MatrixLqrReport& report) {
   report.K = K.leftCols(nx);
-  report.K_int = -K.middleCols(nx, ny);
+  report.K_int = K.middleCols(nx, ny);
   report.K_past = K.rightCols(K.cols() - nx - ny);
 }
 

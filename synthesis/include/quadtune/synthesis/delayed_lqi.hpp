@@ -19,7 +19,7 @@ struct AugmentedLqr {
 };
 
 /// Appends i' = C x + D u to the plant. With them, u = -K x + K_int ∫(r - y) follows constant r
-/// without error; K_int = -K_i, where [K K_i] is the gain of the augmented problem.
+/// without error; K_int = K_i, where [K K_i] is the gain of the augmented problem.
 /// @param plant    nx states; its ny outputs are integrated
 /// @param weights  Q ((nx + ny) × (nx + ny)), R, N ((nx + ny) × nu, or empty for zero)
 /// @throws InvalidInput  as validate(), or for wrong shapes of Q and N
