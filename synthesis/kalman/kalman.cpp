@@ -83,13 +83,19 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   return mapped;
 }
 
-/// The regulator of (Aᵀ, Cᵀ) is the filter of (A, C).
-template <class Lti>
-RiccatiOptions filter_options(const Lti& model) {
-  RiccatiOptions options;
+/// Calls care() or dare(): the regulator of (Aᵀ, Cᵀ) is the filter of (A, C). Their errors are
+/// rethrown with the name of kalman().
+template <class Equation, class Lti>
+RiccatiResult solve_dual(Equation equation, const Lti& model, const StateNoise& mapped,
+                         const Eigen::MatrixXd& R, RiccatiOptions options) {
   options.problem = RiccatiProblem::filter;
-  if (!model.states.empty()) options.state_names = names_or_numbers(model.states, model.A.rows());
-  return options;
+  if (options.state_names.empty() && !model.states.empty())
+    options.state_names = names_or_numbers(model.states, model.A.rows());
+  try {
+    return equation(model.A.transpose(), model.C.transpose(), mapped.W, R, mapped.GN, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput("kalman", error.message());
+  }
 }
 
 /// Controllability of (Aᵀ, Cᵀ) is observability of (A, C), and vice versa.
@@ -120,10 +126,10 @@ KalmanResult from_dual(const RiccatiResult& dual) {
 
 }  // namespace
 
-KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise) {
+KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise,
+                    const RiccatiOptions& options) {
   const StateNoise mapped = check_and_map(model, noise);
-  KalmanResult result = from_dual(dare(model.A.transpose(), model.C.transpose(), mapped.W, noise.R,
-                                       mapped.GN, filter_options(model)));
+  KalmanResult result = from_dual(solve_dual(dare, model, mapped, noise.R, options));
   const Eigen::Index nx = model.A.rows();
   if (!result.solved()) {
     result.M =
@@ -142,13 +148,14 @@ KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise) {
   return result;
 }
 
-KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise) {
+KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise,
+                    const RiccatiOptions& options) {
   const StateNoise mapped = check_and_map(model, noise);
-  return from_dual(care(model.A.transpose(), model.C.transpose(), mapped.W, noise.R, mapped.GN,
-                        filter_options(model)));
+  return from_dual(solve_dual(care, model, mapped, noise.R, options));
 }
 
-KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt) {
+KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt,
+                            const RiccatiOptions& options) {
   const StateNoise mapped = check_and_map(model, noise);
   if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
     throw InvalidInput("kalman",
@@ -160,7 +167,7 @@ KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise
   discrete.C = model.C;
   discrete.dt = dt;
   discrete.states = model.states;
-  return kalman(discrete, {{}, sampled.Q, noise.R / dt, {}});
+  return kalman(discrete, {{}, sampled.Q, noise.R / dt, {}}, options);
 }
 
 }  // namespace quadtune

@@ -87,10 +87,10 @@ void predict(LqgRegulator<Lti>& result, const Lti& plant, const LqrWeights& weig
 }  // namespace
 
 LqgRegulator<ContinuousLti> lqg_regulator(const ContinuousLti& plant, const LqrWeights& weights,
-                                          const KalmanNoise& noise) {
+                                          const KalmanNoise& noise, const RiccatiOptions& options) {
   LqgRegulator<ContinuousLti> result;
-  result.lqr = lqr(plant, weights);
-  result.filter = kalman(plant, noise);
+  result.lqr = lqr(plant, weights, options);
+  result.filter = kalman(plant, noise, options);
   if (!result.solved()) return result;
   const MatrixXd& K = result.lqr.K;
   const MatrixXd& L = result.filter.L;
@@ -104,10 +104,11 @@ LqgRegulator<ContinuousLti> lqg_regulator(const ContinuousLti& plant, const LqrW
 }
 
 LqgRegulator<DiscreteLti> lqg_regulator(const DiscreteLti& plant, const LqrWeights& weights,
-                                        const KalmanNoise& noise, LqgEstimate estimate) {
+                                        const KalmanNoise& noise, LqgEstimate estimate,
+                                        const RiccatiOptions& options) {
   LqgRegulator<DiscreteLti> result;
-  result.lqr = lqr(plant, weights);
-  result.filter = kalman(plant, noise);
+  result.lqr = lqr(plant, weights, options);
+  result.filter = kalman(plant, noise, options);
   if (!result.solved()) return result;
   const Index n = plant.A.rows();
   const Index nu = plant.B.cols();

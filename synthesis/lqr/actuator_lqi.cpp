@@ -226,7 +226,7 @@ ActuatorLqi actuator_lqi(const Vehicle& vehicle, const ActuatorModel& model,
   const SampledLqr problem = augmented(model, weights, options, at);
   ActuatorLqi result;
   result.model = problem.plant;
-  result.riccati = lqr(problem.plant, problem.weights, RiccatiEvidence::essential);
+  result.riccati = lqr(problem.plant, problem.weights, options.riccati);
   const MatrixXd K =
       result.solved() ? result.riccati.K : MatrixXd::Constant(at.nu, at.size(), std::nan(""));
   result.gains = gains_of(vehicle, model, options, at, K);

@@ -86,7 +86,9 @@ LqrWeights DiagonalLqr::weights(const Eigen::Ref<const VectorXd>& w) const {
 
 RiccatiResult DiagonalLqr::solve(const Eigen::Ref<const VectorXd>& w) const {
   return std::visit(
-      [&](const auto& plant) { return lqr(plant, weights(w), RiccatiEvidence::essential); },
+      [&](const auto& plant) {
+        return lqr(plant, weights(w), {.evidence = RiccatiEvidence::essential});
+      },
       plant_);
 }
 

@@ -13,10 +13,11 @@
 namespace quadtune {
 namespace {
 
-RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx, RiccatiEvidence evidence) {
-  RiccatiOptions options;
-  options.evidence = evidence;
-  if (!states.empty()) options.state_names = names_or_numbers(states, nx);
+RiccatiOptions for_regulator(RiccatiOptions options, const std::vector<Signal>& states,
+                             Eigen::Index nx) {
+  options.problem = RiccatiProblem::regulator;
+  if (options.state_names.empty() && !states.empty())
+    options.state_names = names_or_numbers(states, nx);
   return options;
 }
 
@@ -24,10 +25,10 @@ RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx, Riccati
 /// name of lqr().
 template <class Equation, class Lti>
 RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weights,
-                    RiccatiEvidence evidence) {
+                    const RiccatiOptions& options) {
   try {
     return equation(plant.A, plant.B, weights.Q, weights.R, weights.N,
-                    named(plant.states, plant.A.rows(), evidence));
+                    for_regulator(options, plant.states, plant.A.rows()));
   } catch (const InvalidInput& error) {
     throw InvalidInput("lqr", error.message());
   }
@@ -47,14 +48,16 @@ Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name
 
 }  // namespace
 
-RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights, RiccatiEvidence evidence) {
+RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights,
+                  const RiccatiOptions& options) {
   validate(plant, "lqr");
-  return solve(care, plant, weights, evidence);
+  return solve(care, plant, weights, options);
 }
 
-RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights, RiccatiEvidence evidence) {
+RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights,
+                  const RiccatiOptions& options) {
   validate(plant, "lqr");
-  return solve(dare, plant, weights, evidence);
+  return solve(dare, plant, weights, options);
 }
 
 SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt) {

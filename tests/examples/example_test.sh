@@ -102,5 +102,11 @@ case $name in
     touch "$work/file"
     run 2 "$work/file/export"
     ;;
+  pendulum_filter)
+    run 0
+    # The camera alone has 0.005 m / 0.7 m = 0.0071 rad.
+    fact 'an error below that of the camera alone' '/^angle/ { e = $4 } END { exit !(0 < e && e < 0.006) }'
+    fact 'consistent innovations' '/^mean of e/ { s = $4 } END { exit !(0.9 < s && s < 1.1) }'
+    ;;
   *) echo "example_test.sh: no example '$name'" >&2 && exit 2 ;;
 esac

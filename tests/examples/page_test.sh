@@ -16,6 +16,11 @@ shown=$(awk '/^```cpp$/ { inside = 1; next } /^```$/ { if (inside) exit } inside
 diff <(echo "$shown") examples/own_vehicle.cpp ||
   wrong "the program differs from examples/own_vehicle.cpp as above; copy the file"
 
+# The second program is part of an example: each line is one of it.
+awk '/^```cpp$/ { inside = ++n == 2; next } /^```$/ { inside = 0 } inside' "$page" |
+  grep -Fxvf examples/pendulum_filter.cpp &&
+  wrong "the lines above are not in examples/pendulum_filter.cpp"
+
 for program in examples/*.cpp; do
   name=$(basename "$program")
   [ "$(wc -l <"$program")" -le 60 ] || wrong "$name has more than 60 lines"

@@ -25,7 +25,8 @@ case $1 in
     "$CMAKE" -S "$here/outside" -B "$WORK/outside" -G Ninja -DCMAKE_PREFIX_PATH="$prefix"
     "$CMAKE" --build "$WORK/outside"
     expect_output "$WORK/outside/outside"
-    for example in own_vehicle lqg_margins schedule noise_from_log campaign own_estimator own_law own_exporter; do
+    for example in own_vehicle lqg_margins schedule noise_from_log campaign own_estimator own_law own_exporter \
+      pendulum_filter; do
       "$here/../examples/example_test.sh" "$WORK/outside" "$here/../.." "$example"
     done
     ;;

@@ -5,6 +5,8 @@
 #include "quadtune/estimation/angles.hpp"                   // angles as sensors measure them
 #include "quadtune/estimation/complementary_filter.hpp"     // attitude from inertial sensors
 #include "quadtune/estimation/covariance_model.hpp"         // parametrized covariance matrices
+#include "quadtune/estimation/dual.hpp"                     // numbers with derivatives
+#include "quadtune/estimation/extended_kalman_filter.hpp"   // a filter for your own models
 #include "quadtune/estimation/filter_file.hpp"              // reads and writes filter models
 #include "quadtune/estimation/filter_model.hpp"             // a filter of unknown covariances
 #include "quadtune/estimation/filter_record.hpp"            // measurements in order of time

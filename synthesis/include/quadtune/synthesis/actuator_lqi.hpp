@@ -51,6 +51,8 @@ struct ActuatorLqiOptions {
   /// effect as a delay of the command and can be included here.
   int past = 0;
   std::vector<std::string> integrals;  ///< names of integrated states, e.g. px py pz yaw
+  /// Of the Riccati equation, as for lqr(); without the poles by default.
+  RiccatiOptions riccati = {.evidence = RiccatiEvidence::essential};
 };
 
 /// A law with the evidence that it is optimal.
@@ -67,7 +69,8 @@ struct ActuatorLqi {
 /// Designs u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) - K_lag (m - u0) - K_past (u[k-1] - u0 …).
 /// Without lag, delay and integrals, the result is that of lqr() for the sampled problem.
 /// @throws InvalidInput  if a weight has the wrong shape, if the period, the delay or an integral
-///                       is invalid, and for the reasons of actuator_model() and lqr()
+///                       is invalid, and for the reasons of actuator_model() and lqr(), which
+///                       include Riccati options out of range
 [[nodiscard]] ActuatorLqi actuator_lqi(const Vehicle& vehicle, const ActuatorLqiWeights& weights,
                                        const ActuatorLqiOptions& options);
 /// The same for a model that has already been computed by actuator_model().

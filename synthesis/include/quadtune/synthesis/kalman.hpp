@@ -32,10 +32,10 @@ struct KalmanResult {
   Eigen::MatrixXd L;
   Eigen::MatrixXd P;       ///< (nx × nx) error covariance before the measurement
   Eigen::MatrixXd Z;       ///< (nx × nx) error covariance after it; empty when continuous
-  Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - L C
+  Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - L C; as RiccatiResult::poles
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< as RiccatiResult::residual
   double rcond = std::numeric_limits<double>::quiet_NaN();     ///< as RiccatiResult::rcond
-  int iterations = 0;                                          ///< steps of the solver
+  int iterations = 0;                                          ///< as RiccatiResult::iterations
   std::string culprit;  ///< e.g. "mode at 1: bias cannot be observed by the measurements"
   std::string warning;  ///< as RiccatiResult::warning, about L
 
@@ -45,19 +45,23 @@ struct KalmanResult {
 
 /// Computes the steady-state filter of x[k+1] = A x + B u + G w, y = C x + v.
 ///
-/// @param model  A, C (ny × nx) and the state names; B may be empty
-/// @param noise  covariances per step
+/// @param model    A, C (ny × nx) and the state names; B may be empty
+/// @param noise    covariances per step
+/// @param options  of the Riccati equation. Its state_names are those of the model unless given;
+///                 its problem is always the filter, and an indefinite Q is always rejected
 /// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetric or indefinite
-///                       covariances.
-[[nodiscard]] KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise);
+///                       covariances, and options out of range.
+[[nodiscard]] KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise,
+                                  const RiccatiOptions& options = {});
 
 /// Computes the steady-state (Kalman–Bucy) filter of x' = A x + B u + G w, y = C x + v.
-[[nodiscard]] KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise);
+[[nodiscard]] KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise,
+                                  const RiccatiOptions& options = {});
 
 /// Computes the discrete filter of a continuous model that is measured every dt seconds. A and G Q
 /// Gᵀ are sampled exactly, and R [unit² s] becomes R / dt.
 /// Source: Van Loan 1978.
 [[nodiscard]] KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise,
-                                          double dt);
+                                          double dt, const RiccatiOptions& options = {});
 
 }  // namespace quadtune

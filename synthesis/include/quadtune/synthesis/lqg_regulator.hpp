@@ -40,10 +40,12 @@ struct LqgRegulator {
 /// @param plant    nx states, nu inputs, ny measurements C x + D u
 /// @param weights  of the states and inputs
 /// @param noise    spectral densities of process and measurement noise
+/// @param options  of both Riccati equations, as for lqr() and kalman()
 /// @throws InvalidInput  as lqr() and kalman()
 [[nodiscard]] LqgRegulator<ContinuousLti> lqg_regulator(const ContinuousLti& plant,
                                                         const LqrWeights& weights,
-                                                        const KalmanNoise& noise);
+                                                        const KalmanNoise& noise,
+                                                        const RiccatiOptions& options = {});
 
 /// Computes u = -K x̂[k|k] or u = -K x̂[k|k-1] with
 ///     x̂[k|k] = x̂[k|k-1] + M (y - C x̂[k|k-1] - D u),
@@ -54,6 +56,7 @@ struct LqgRegulator {
 [[nodiscard]] LqgRegulator<DiscreteLti> lqg_regulator(const DiscreteLti& plant,
                                                       const LqrWeights& weights,
                                                       const KalmanNoise& noise,
-                                                      LqgEstimate estimate = LqgEstimate::current);
+                                                      LqgEstimate estimate = LqgEstimate::current,
+                                                      const RiccatiOptions& options = {});
 
 }  // namespace quadtune

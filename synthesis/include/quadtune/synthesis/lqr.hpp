@@ -23,17 +23,19 @@ struct LqrWeights {
 /// Minimizes the integral of the cost. In the result, K is the gain of u = -K x and X is the cost
 /// matrix: xᵀXx is the minimum cost from the initial state x.
 ///
-/// @param plant     nx states, nu inputs; state names are used by the culprit
-/// @param weights   for the states and inputs of this plant
-/// @param evidence  RiccatiEvidence::essential suits searches, which solve thousands of problems
+/// @param plant    nx states, nu inputs; state names are used by the culprit
+/// @param weights  for the states and inputs of this plant
+/// @param options  of the Riccati equation. Its state_names are those of the plant unless given;
+///                 its problem is always the regulator. RiccatiEvidence::essential suits searches,
+///                 which solve thousands of problems
 /// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetric or indefinite
-///                       weights.
+///                       weights, and options out of range.
 [[nodiscard]] RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights,
-                                RiccatiEvidence evidence = RiccatiEvidence::full);
+                                const RiccatiOptions& options = {});
 
 /// Minimizes the sum of the cost over the samples. The weights apply to each step.
 [[nodiscard]] RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights,
-                                RiccatiEvidence evidence = RiccatiEvidence::full);
+                                const RiccatiOptions& options = {});
 
 /// A discrete problem whose cost equals that of a continuous problem with inputs held between
 /// samples.

@@ -39,10 +39,16 @@ enum class RiccatiProblem {
   filter,  ///< (Aᵀ, Cᵀ): "cannot be observed by the measurements", "is not driven by the noise"
 };
 
-/// Options of the solvers. The defaults suit 1 ≤ nx ≤ 200.
+/// Options of the solvers, and of lqr(), kalman() and what is built on them. The defaults suit
+/// 1 ≤ nx ≤ 200.
 struct RiccatiOptions {
-  double relative_tolerance = 1e-12;  ///< of RiccatiResult::residual if well-conditioned
-  int max_iterations = 60;            ///< doubling steps; eight is typical
+  /// Maximum of RiccatiResult::residual, in (0, 1). A residual that the condition of the equation
+  /// explains, at most min(2e-14 / rcond, 1e-6), is accepted as well. A result in 50 digits is exact
+  /// whatever the tolerance.
+  double relative_tolerance = 1e-12;
+  /// Doubling steps, ≥ 1; eight is typical. If they do not suffice, the Schur method solves the
+  /// equation (RiccatiResult::used_schur); the status is no_convergence only if every method fails.
+  int max_iterations = 60;
   RiccatiEvidence evidence = RiccatiEvidence::full;  ///< how much evidence is computed
   /// Whether a Q with a negative eigenvalue that exceeds rounding is rejected with InvalidInput. If
   /// not, the equation is solved nevertheless (published test problems have such a Q), and
@@ -50,7 +56,8 @@ struct RiccatiOptions {
   bool reject_indefinite_Q = false;
   /// Names the culprit as for a regulator or for a filter.
   RiccatiProblem problem = RiccatiProblem::regulator;
-  std::vector<std::string> state_names;  ///< nx names for the culprit; empty: "state 1", …
+  /// nx names for the culprit; empty: "state 1", …
+  std::vector<std::string> state_names = {};
 };
 
 /// A stabilizing solution with its evidence.

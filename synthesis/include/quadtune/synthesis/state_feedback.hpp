@@ -21,10 +21,13 @@ struct StateFeedback {
 
 /// Solves the LQR problem of a design on `plant`.
 ///
-/// @param plant   nx states named as in `design.states`, nu inputs
-/// @param design  weights, integrals, method and dt
+/// @param plant    nx states named as in `design.states`, nu inputs
+/// @param design   weights, integrals, method and dt
+/// @param options  of the Riccati equation, as for lqr(); its state_names are those of all nx + ni
+///                 states
 /// @throws InvalidInput  for the reasons of lqr() and with_integrals(), and if dt ≤ 0 for a sampled
 ///                       method.
-[[nodiscard]] StateFeedback state_feedback(const ContinuousLti& plant, const LqrDesign& design);
+[[nodiscard]] StateFeedback state_feedback(const ContinuousLti& plant, const LqrDesign& design,
+                                           const RiccatiOptions& options = {});
 
 }  // namespace quadtune
