@@ -45,6 +45,7 @@ class ExtendedKalmanFilter {
 
   /// @param x0  (nx) initial state, nx ≥ 1
   /// @param P0  (nx × nx) covariance of its error, symmetric, ≥ 0
+  /// @param correction  none: x is not corrected
   /// @throws InvalidInput  for wrong shapes, entries that are not finite, and an indefinite P0
   ExtendedKalmanFilter(Eigen::VectorXd x0, Eigen::MatrixXd P0, Correction correction = {});
 
@@ -52,6 +53,8 @@ class ExtendedKalmanFilter {
   [[nodiscard]] const Eigen::MatrixXd& P() const { return P_; }  ///< (nx × nx) its covariance
 
   /// x ← f(x, u, dt),  P ← F P Fᵀ + Q,  F = ∂f/∂x.
+  /// @param f   the model, a template as above
+  /// @param u   the input of f
   /// @param dt  [s], > 0
   /// @param Q   (nx × nx) per step, symmetric, ≥ 0
   /// @throws InvalidInput  for wrong shapes, an indefinite Q, and values or derivatives of f that
@@ -63,8 +66,11 @@ class ExtendedKalmanFilter {
   }
 
   /// Updates by y in Joseph's form; see ExtendedUpdate.
+  /// @param h  the measurement model, a template as above
+  /// @param u  the input of h
   /// @param y  (ny) the measurement
   /// @param R  (ny × ny) symmetric, > 0
+  /// @param options  the gate and the innovation
   /// @throws InvalidInput  for wrong shapes, entries that are not finite, an R that is not positive
   ///                       definite, and values or derivatives of h that are not finite
   template <class Measurement, class Input = Eigen::VectorXd>
