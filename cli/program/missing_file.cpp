@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -50,7 +51,11 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
   std::string message = std::strerror(ENOENT);
   std::vector<std::string> known;
   if (const Option* option = option_of(error.path(), line)) {
-    message += fmt::format(", expected for {}: {}", option->name(), option->description());
+    // "with V: an export" is an export here.
+    std::string kind = option->description();
+    if (kind.starts_with("with "))
+      kind = kind.substr(std::min(kind.find(": "), kind.size() - 2) + 2);
+    message += fmt::format(", expected {} ({})", kind, option->name());
     known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));
