@@ -55,9 +55,9 @@ std::optional<UsageError> told_by_option(const InvalidInput& error, const std::s
   if (where.starts_with("--"))
     return UsageError(fmt::format("quadtune {}: {}: {}", verb, where, message), where);
   // Without a vehicle, the matrices or the transfer function are all that was given.
-  for (const char* option : {"--A", "--num"})
-    if (line.find(option) != nullptr && line.was_given(option))
-      return UsageError(fmt::format("quadtune {}: {}", verb, message), option);
+  for (const char* input : {"--A", "--num"})
+    if (line.find(input) != nullptr && line.was_given(input))
+      return UsageError(fmt::format("quadtune {}: {}", verb, message), input);
   return {};
 }
 

@@ -32,10 +32,10 @@ std::string changed_export(const std::string& directory) {
       if (!matches(folder / listed.path, listed))
         return fmt::format(
             "{} does not match {}: it was changed after the export; `quadtune verify "
-            "{}` tells more",
+            "{}` reports more",
             (folder / listed.path).string(), kManifestName, directory);
   } catch (const InvalidInput&) {
-    return "";  // reported by whoever reads the export
+    return "";  // the command that reads the export reports it
   } catch (const FileError&) {
     return "";
   }
