@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -53,8 +52,9 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
   if (const Option* option = option_of(error.path(), line)) {
     // "with V: an export" is an export here.
     std::string kind = option->description();
-    if (kind.starts_with("with "))
-      kind = kind.substr(std::min(kind.find(": "), kind.size() - 2) + 2);
+    if (const std::size_t colon = kind.find(": ");
+        kind.starts_with("with ") && colon != std::string::npos)
+      kind.erase(0, colon + 2);
     message += fmt::format(", expected {} ({})", kind, option->name());
     known = built_in_names(option->description());
   }

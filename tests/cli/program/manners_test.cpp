@@ -153,7 +153,7 @@ TEST(MissingFiles, SayWhatWasLookedForAndWhatIsThere) {
   const TemporaryDirectory folder;
   folder.write("hover.csv", "t,x\n0,1\n");
   const std::string missing = (folder.path() / "hovr.csv").string();
-  refuses({"log", missing}, 5, missing + ": No such file or directory, expected for FILE: a log");
+  refuses({"log", missing}, 5, missing + ": No such file or directory, expected a log");
   refuses({"log", missing}, 5, "hover.csv");
   refuses({"lqr", (folder.path() / "none" / "v.toml").string()}, 5, "there is no folder");
 }
