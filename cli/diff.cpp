@@ -7,6 +7,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/gains_difference.hpp"
+#include "quadtune/workbench/verify/changed_export.hpp"
 #include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
@@ -26,6 +27,9 @@ void run_diff(Options& options, Context& context) {
     refuse("diff", options.a.empty() ? "A" : "B",
            "expected two sets of gains, directories or files");
   const LawsDifference difference = diff_laws(options.a, options.b);
+  for (const std::string& source : {options.a, options.b})
+    if (const std::string changed = changed_export(source); !changed.empty())
+      context.note("diff: note: " + changed);
   if (!difference.left_out.empty())
     context.note(fmt::format("diff: note: only one of the two contains a {}, which is not compared",
                              difference.left_out));

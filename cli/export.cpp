@@ -167,8 +167,8 @@ void run_export(const Options& options, Context& context) {
     throw Refusal(fmt::format("export: {}; nothing was written", problem), content.vehicle.name);
   if (!options.of_design() && !options.of_schedule())
     context.note(
-        "export: note: gains, trim, cascade, estimator and vehicle are exported, but no parameters "
-        "of an autopilot; weights and Kalman filters are exported from a design file only");
+        "export: note: only what the source holds is exported: gains, trim, cascade, estimator and "
+        "vehicle; weights and Kalman filters are exported from a design file");
   std::vector<ManifestFile> files;
   {
     const WritingFiles writing;

@@ -16,6 +16,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/verify/changed_export.hpp"
 #include "report/flights/flights.hpp"
 
 namespace quadtune::cli {
@@ -104,6 +105,8 @@ void run_fly(Options& options, Context& context) {
   if (options.compiled && options.flight.estimator == "truth")
     plan.notes.emplace_back("the program has no estimator and is given the true state");
   context.notes("fly: note: ", plan.notes);
+  if (const std::string changed = changed_export(options.flight.gains); !changed.empty())
+    context.note("fly: note: " + changed);
   if (options.seeds > 1) {
     tell_many(flown(options, plan), context);
     return;

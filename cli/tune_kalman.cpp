@@ -24,7 +24,7 @@
 namespace quadtune::cli {
 namespace {
 
-constexpr const char* kVerb = "tune";  ///< name of the command in messages
+constexpr const char* kVerb = "tune kalman";  ///< name of the command in messages
 
 struct Options {
   std::string model, file, report, method = "ml";
@@ -82,8 +82,9 @@ TunedNoise tuned(NoiseLogs logs, NoiseMethod method, const Options& options,
   settings.holdout = options.holdout;
   if (options.budget) settings.seconds = *options.budget;
   settings.progress = [&](int round, int evaluations, double best) {
-    progress.show(fmt::format("tune: fit {}, {} evaluations, best log-likelihood {:.8g}, {:.0f} s",
-                              round, evaluations, best, progress.seconds()));
+    progress.show(
+        fmt::format("tune kalman: fit {}, {} evaluations, best log-likelihood {:.8g}, {:.0f} s",
+                    round, evaluations, best, progress.seconds()));
   };
   settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
   settings.fit.seed = context.seed;
@@ -103,7 +104,7 @@ void run_tune_kalman(const Options& options, Context& context) {
   const TunedNoise noise = tuned(std::move(logs), method, options, context);
   const NoiseTuning& tuning = noise.tuning;
   if (tuning.fit.status == NoiseFitStatus::not_computed)
-    throw NoSolution("tune: " + tuning.fit.culprit, options.model);
+    throw NoSolution("tune kalman: " + tuning.fit.culprit, options.model);
   const bool passed = tuning.verdict == CheckVerdict::pass;
   // After an interrupt the best result is still printed and written, which takes little time.
   const bool ended = tuning.fit.status == NoiseFitStatus::interrupted || interrupted();
@@ -122,7 +123,7 @@ void run_tune_kalman(const Options& options, Context& context) {
     context.write(options.report, html(page_of(noise, evidence, context.seed, context.command)));
   }
   if (ended) throw Interrupted();
-  if (!passed) throw AnswerIsNo("tune: " + tuning.reasons.front());
+  if (!passed) throw AnswerIsNo("tune kalman: " + tuning.reasons.front());
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -129,7 +129,7 @@ void tell(const GainMatchReport& report, const Options& options, Context& contex
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   if (!matched)
     throw AnswerIsNo(
-        fmt::format("tune: {}: no diagonal weights{} give this gain: the best ones leave a "
+        fmt::format("tune lqr: {}: no diagonal weights{} give this gain: the best ones leave a "
                     "difference of {:.3g} at {}, tolerance {:.3g}",
                     options.gains, options.ties.empty() ? "" : " with these ties", match.after,
                     match.worst, options.tolerance));
@@ -163,8 +163,8 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
   });
   if (match.status == GainMatchStatus::interrupted) throw Interrupted();
   if (!match.has_weights())
-    throw NoSolution(fmt::format("tune: {}: {}", options.gains, match.culprit), options.gains);
-  context.notes("tune: note: ", plant.model.notes);
+    throw NoSolution(fmt::format("tune lqr: {}: {}", options.gains, match.culprit), options.gains);
+  context.notes("tune lqr: note: ", plant.model.notes);
   tell({plant.vehicle, problem.plant.vehicle, flight_condition(problem.plant), options.gains,
         gains.K, gains.K_int, match, options.tolerance},
        options, context);

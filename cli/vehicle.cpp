@@ -15,6 +15,7 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -105,9 +106,9 @@ std::optional<Eigen::Vector3d> inertia_of(const std::optional<std::string>& word
   if (!word) return {};
   const std::vector<std::string> parts = internal::comma_separated(*word);
   if (parts.size() != 3)
-    throw OptionError("inertia", fmt::format("inertia has {} entries, expected 3: about body x, y "
+    throw OptionError("inertia", fmt::format("inertia has {}, expected 3: about body x, y "
                                              "and z, each with a unit such as kgm2 or gcm2",
-                                             parts.size()));
+                                             internal::counted(parts.size(), "entry", "entries")));
   Eigen::Vector3d inertia;
   for (int i = 0; i < 3; ++i)
     inertia(i) =

@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, int error, const std::string& what = "") {
-  throw FileError(path.string(), what + std::strerror(error));
+[[noreturn]] void fail(const fs::path& path, int error) {
+  throw FileError(path.string(), std::strerror(error));
 }
 
 class Descriptor {
@@ -254,8 +254,9 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   const fs::path path = directory.has_filename() ? directory : directory.parent_path();
   MadeDirectories made(path);
   const Descriptor fd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd.get() < 0)
-    fail(path, errno, errno == ENOTDIR ? "is a file, expected a directory to write into: " : "");
+  if (fd.get() < 0 && errno == ENOTDIR)
+    throw FileError(path.string(), "is a file, expected a directory to write into");
+  if (fd.get() < 0) fail(path, errno);
   // Excludes concurrent writers; file systems without locks are not protected.
   const bool locked = ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0;
   if (!locked && errno == EWOULDBLOCK)

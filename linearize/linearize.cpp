@@ -127,6 +127,17 @@ void note_turning_axes(const Convention& convention, const std::vector<Eigen::In
                     named, yaw_rate));
 }
 
+/// Without drag, a vehicle flies along a line at any speed as it hovers.
+void note_missing_drag(const Vehicle& vehicle, const FlightCondition& condition,
+                       std::vector<std::string>& notes) {
+  const double speed = std::hypot(condition.speed, condition.climb);
+  if (condition.kind == FlightKind::line && speed > 0 && !has_aerodynamics(vehicle))
+    notes.push_back(
+        fmt::format("the vehicle file gives no drag, so that flight at {:.6g} m/s "
+                    "costs nothing: no tilt, no thrust and no limit of the speed",
+                    speed));
+}
+
 }  // namespace
 
 LinearizeOptions linearize_options(const LqrDesign& design) {
@@ -198,6 +209,7 @@ Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
         missing_states(Linearizer(vehicle, all).at(vehicle, trimmed).plant.A, kept, c.states);
   }
   note_turning_axes(c, kept, trimmed.yaw_rate, result.notes);
+  note_missing_drag(vehicle, trimmed.condition, result.notes);
   return result;
 }
 

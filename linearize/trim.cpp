@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -126,13 +127,23 @@ void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimRe
   const double thrust = z(2 + worst.rotor) * problem.weight();
   if (needed > available) {
     result.status = TrimStatus::not_enough_thrust;
-    result.culprit = fmt::format(
-        "{} needs{} {:.2f} N, the rotors give at most {:.2f} N at {:.0f} rad/s: {:.2f} N short",
-        flight, leaning, needed, available, curve.max_speed(), needed - available);
+    // Two digits of what is missing; below a ten-thousandth of the thrust, it is not worth a number.
+    const double missing = needed - available;
+    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(missing))), 2, 6);
+    if (missing > 1e-4 * available)
+      result.culprit = fmt::format(
+          "{} needs{} {:.{}f} N, the rotors give at most {:.{}f} N at {:.0f} rad/s: {:.{}f} N "
+          "short",
+          flight, leaning, needed, decimals, available, decimals, curve.max_speed(), missing,
+          decimals);
+    else
+      result.culprit = fmt::format(
+          "{} needs{} {:.4g} N, which is just more than the rotors give at {:.0f} rad/s", flight,
+          leaning, needed, curve.max_speed());
     return;
   }
   result.status = worst.above ? TrimStatus::rotor_too_fast : TrimStatus::rotor_too_slow;
-  result.culprit = fmt::format("{} needs{} {:.2f} N in all, and rotor {} would have to ", flight,
+  result.culprit = fmt::format("{} needs{} {:.4g} N in all, and rotor {} would have to ", flight,
                                leaning, needed, worst.rotor + 1);
   if (worst.above)
     result.culprit += fmt::format("turn at {:.1f} rad/s, limit {:.1f} rad/s: {:.1f} rad/s too fast",

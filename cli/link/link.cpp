@@ -9,6 +9,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/link/send_link.hpp"
@@ -86,7 +87,7 @@ void run_decode(const Options& options, Context& context) {
       "link send: {} did not answer {} within {} s{}; the vehicle may have received it{}",
       to_string(sending.to), sending.message.command.name, options.timeout_s,
       sending.message.command.firmware == LinkFirmware::native
-          ? fmt::format(" in {} tries", options.tries)
+          ? fmt::format(" in {}", internal::counted(options.tries, "try", "tries"))
           : "",
       stops ? ", or may still be flying" : ""));
 }

@@ -46,10 +46,16 @@ namespace {
 
 std::string without_type(const std::string& name) { return name.substr(0, name.find(' ')); }
 
-const char* number_mistake(const std::string& word, double& value) {
-  return internal::read_number(word, value)
-             ? ""
-             : " is not a finite number, expected a number such as 0.01";
+/// " in s", if the description of an option states its unit in brackets.
+std::string in_unit(const std::string& description) {
+  const std::size_t open = description.find('[');
+  const std::size_t close = description.find(']', std::min(open, description.size()));
+  return close == std::string::npos ? "" : " in " + description.substr(open + 1, close - open - 1);
+}
+
+std::string number_mistake(const std::string& word, double& value, const std::string& description) {
+  if (internal::read_number(word, value)) return "";
+  return " is not a finite number, expected a number" + in_unit(description) + " such as 0.01";
 }
 
 }  // namespace
@@ -191,25 +197,26 @@ Option* CommandLine::add_flag(const std::string& names, bool& value,
 
 Option* CommandLine::add_number(const std::string& name, double& value,
                                 const std::string& description) {
-  return parser_->add_read(
-      name, description, [&value](const std::string& word) { return number_mistake(word, value); });
+  return parser_->add_read(name, description, [&value, description](const std::string& word) {
+    return number_mistake(word, value, description);
+  });
 }
 
 Option* CommandLine::add_number(const std::string& name, std::optional<double>& value,
                                 const std::string& description) {
-  return parser_->add_read(name, description, [&value](const std::string& word) {
-    return number_mistake(word, value.emplace());
+  return parser_->add_read(name, description, [&value, description](const std::string& word) {
+    return number_mistake(word, value.emplace(), description);
   });
 }
 
 Option* CommandLine::add_positive(const std::string& name, std::optional<double>& value,
                                   const std::string& description) {
-  return parser_->add_read(name, description, [&value](const std::string& word) {
+  return parser_->add_read(name, description, [&value, description](const std::string& word) {
     double number = 0;
     if (!internal::read_number(word, number) || !(number > 0))
-      return " is invalid; expected a number greater than 0";
+      return " is invalid; expected a number greater than 0" + in_unit(description);
     value = number;
-    return "";
+    return std::string();
   });
 }
 

@@ -82,8 +82,13 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty())
       return fmt::format("; this is {}, which no command reads", to_string(*kind));
-    return fmt::format("; this is {}; it is read by: quadtune {}", to_string(*kind),
-                       internal::joined(takers, ", "));
+    constexpr std::size_t kShown = 4;
+    const Words shown(takers.begin(), takers.begin() + std::min(takers.size(), kShown));
+    const std::string more = takers.size() > kShown
+                                 ? fmt::format(" and {} more", takers.size() - kShown)
+                                 : std::string();
+    return fmt::format("; this is {}, which is for quadtune {}{}", to_string(*kind),
+                       internal::joined(shown, ", "), more);
   }
   return "";
 }

@@ -50,7 +50,12 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
   std::string message = std::strerror(ENOENT);
   std::vector<std::string> known;
   if (const Option* option = option_of(error.path(), line)) {
-    message += fmt::format(", expected for {}: {}", option->name(), option->description());
+    // "with V: an export" is an export here.
+    std::string kind = option->description();
+    if (const std::size_t colon = kind.find(": ");
+        kind.starts_with("with ") && colon != std::string::npos)
+      kind.erase(0, colon + 2);
+    message += fmt::format(", expected {} ({})", kind, option->name());
     known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));

@@ -15,6 +15,7 @@
 #include "matrix_verbs.hpp"
 #include "program/command_line.hpp"
 #include "program/missing_file.hpp"
+#include "program/option_place.hpp"
 #include "program/refusal.hpp"
 #include "program/standard_streams.hpp"
 #include "program/tell_errors.hpp"
@@ -133,6 +134,11 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
       run_into_file(action, file, context);
   } catch (const FileError& error) {
     if (is_missing(error)) throw told_missing(error, line);
+    throw;
+  } catch (const OptionError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    if (const auto told = told_by_option(error, verb.name, line)) throw UsageError(*told);
     throw;
   }
 }

@@ -14,6 +14,7 @@
 #include "methods/period.hpp"
 #include "methods/sections.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune {
 namespace {
@@ -118,10 +119,10 @@ void require_one_channel(const ContinuousLti& plant, Index ny) {
   if (plant.B.cols() == 1 && ny == 1) return;
   throw InvalidInput(
       "matched",
-      fmt::format("the plant has {} inputs and {} outputs, expected one of each "
-                  "because zeros belong to a channel; discretize the channels one by one or use "
-                  "another method",
-                  plant.B.cols(), ny));
+      fmt::format(
+          "the plant has {} and {}, expected one of each because zeros belong to a channel; "
+          "discretize the channels one by one or use another method",
+          internal::counted(plant.B.cols(), "input"), internal::counted(ny, "output")));
 }
 
 }  // namespace

@@ -377,12 +377,23 @@ Json parsed(const std::string& text, const std::string& origin) {
   } catch (const internal::JsonError& error) {
     if (error.out_of_range())  // 1e999
       throw InvalidInput(origin,
-                         std::string("has a number that overflows a double: ") + error.what());
+                         "has a number beyond the range of a double, expected at most "
+                         "1.8e308");
     if (error.byte() == 0) throw InvalidInput(origin, error.what());
-    const auto end =
-        text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte(), text.size()));
-    throw InvalidInput(fmt::format("{}:{}", origin, 1 + std::count(text.begin(), end, '\n')),
-                       "is not JSON: " + std::string(error.what()));
+    // The library counts from 1, and one more at the end of the text.
+    const std::size_t at = std::min(error.byte() - 1, text.size());
+    const auto start = text.begin();
+    const auto line = 1 + std::count(start, start + static_cast<std::ptrdiff_t>(at), '\n');
+    if (at == text.size())
+      throw InvalidInput(fmt::format("{}:{}", origin, line),
+                         "ends within a JSON value, expected a complete JSON object; is the file "
+                         "cut short?");
+    const std::size_t before = at == 0 ? std::string::npos : text.rfind('\n', at - 1);
+    const std::size_t column = before == std::string::npos ? at + 1 : at - before;
+    const std::string rest = text.substr(at, std::min(text.find('\n', at) - at, std::size_t{20}));
+    throw InvalidInput(fmt::format("{}:{}", origin, line),
+                       fmt::format("is not JSON at column {}, before or at '{}'", column,
+                                   internal::printable(rest)));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "uquad/uquad_numbers.hpp"
@@ -53,8 +54,8 @@ std::string describe(const UquadFileSet& set) {
 
 std::string all_in_words() {
   std::vector<std::string> words;
-  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(describe(set));
-  return fmt::format("{}", internal::joined(words, ", "));
+  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(set.proportional);
+  return fmt::format("one of {}", internal::joined(words, ", "));
 }
 
 const UquadFileSet& set_of_path(const std::filesystem::path& path) {
@@ -228,17 +229,18 @@ Eigen::MatrixXd parse_uquad_matrix(const std::string& text, Eigen::Index rows, E
     start = end + 1;
     if (line.empty()) continue;
     if (static_cast<Eigen::Index>(line.size()) != cols)
-      throw InvalidInput(where, fmt::format("has {} numbers, expected {}, because the flight "
+      throw InvalidInput(where, fmt::format("has {}, expected {}, because the flight "
                                             "program would read the rest into wrong places",
-                                            line.size(), cols));
+                                            internal::counted(line.size(), "number"), cols));
     if (row == rows)
-      throw InvalidInput(where, fmt::format("has more than {} rows, expected {}x{}, because the "
+      throw InvalidInput(where, fmt::format("has more than {}, expected {}x{}, because the "
                                             "flight program would ignore the rest",
-                                            rows, rows, cols));
+                                            internal::counted(rows, "row"), rows, cols));
     M.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(line.data(), cols);
   }
   if (row != rows)
-    throw InvalidInput(origin, fmt::format("ends after {} rows, expected {}x{}", row, rows, cols));
+    throw InvalidInput(origin, fmt::format("ends after {}, expected {}x{}",
+                                           internal::counted(row, "row"), rows, cols));
   return M;
 }
 

@@ -27,7 +27,8 @@ inline double number_of_word(const std::string& word, const std::string& where) 
   const auto [stopped, error] = std::from_chars(word.data() + plus, end, number);
   if (error != std::errc() || stopped != end || !std::isfinite(number))
     throw InvalidInput(where,
-                       fmt::format("'{}' is not a finite number", internal::printable(word)));
+                       fmt::format("'{}' is not a finite number, expected a number such as 0.01",
+                                   internal::printable(word)));
   return number;
 }
 

@@ -17,6 +17,7 @@
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -207,10 +208,10 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
     }
     if (!difference.entries.empty()) {
       const DiffEntry& worst = difference.entries.front();
-      check.detail = fmt::format(
-          "{} entries differ, most {}({}, {}): {} in the file, {} in the "
-          "manifest",
-          difference.entries.size(), worst.matrix, worst.input, worst.state, worst.a, worst.b);
+      check.detail = fmt::format("{} {}, most {}({}, {}): {} in the file, {} in the manifest",
+                                 internal::counted(difference.entries.size(), "entry", "entries"),
+                                 difference.entries.size() == 1 ? "differs" : "differ",
+                                 worst.matrix, worst.input, worst.state, worst.a, worst.b);
     }
   } catch (const InvalidInput& error) {
     check.detail = error.what();
@@ -224,8 +225,10 @@ VerifyCheck check_same_cascade(const CascadeDesign& read, const CascadeDesign& e
     return {"cascade is that of the manifest", true, "every number is the same double"};
   const DiffEntry& worst = difference.entries.front();
   return {"cascade is that of the manifest", false,
-          fmt::format("{} numbers differ, most {}: {} in the file, {} in the manifest",
-                      difference.entries.size(), name_of(worst), worst.a, worst.b)};
+          fmt::format("{} {}, most {}: {} in the file, {} in the manifest",
+                      internal::counted(difference.entries.size(), "number"),
+                      difference.entries.size() == 1 ? "differs" : "differ", name_of(worst),
+                      worst.a, worst.b)};
 }
 
 VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest,
@@ -391,8 +394,8 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
     manifest = read_manifest(directory);
     check.ok = !manifest->gains || manifest->gains->vehicle == manifest->vehicle;
     check.detail =
-        fmt::format("{} export of {}, {} files{}", to_string(manifest->kind), manifest->vehicle,
-                    manifest->files.size(),
+        fmt::format("{} export of {}, {}{}", to_string(manifest->kind), manifest->vehicle,
+                    internal::counted(manifest->files.size(), "file"),
                     check.ok ? "" : ", but the gains are of " + manifest->gains->vehicle);
     if (check.ok && exports::is_of_this_version(*manifest)) {
       const std::string member =

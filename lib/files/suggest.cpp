@@ -4,6 +4,17 @@
 #include <algorithm>
 
 namespace quadtune::internal {
+namespace {
+
+/// Whether two neighbouring letters are swapped, which is one mistake and not two.
+bool are_swapped(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  const auto [at, from] = std::mismatch(a.begin(), a.end(), b.begin());
+  if (a.end() - at < 2) return false;
+  return at[0] == from[1] && at[1] == from[0] && std::equal(at + 2, a.end(), from + 2);
+}
+
+}  // namespace
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -22,10 +33,13 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
-  if (word.size() < 4) return best;
-  std::size_t min = (word.size() + 1) / 3 + 1;  // up to a third of the letters may differ
+  // The dashes of an option are no letters: "--W" resembles every short option.
+  const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
+  const std::size_t letters = word.size() - dashes;
+  if (letters < 4) return best;
+  std::size_t min = letters / 3 + 1;  // up to a third of the letters may differ
   for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(word, candidate);
+    const std::size_t distance = are_swapped(word, candidate) ? 1 : edit_distance(word, candidate);
     if (distance < min) {
       min = distance;
       best = candidate;

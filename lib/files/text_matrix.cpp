@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
@@ -105,8 +106,8 @@ Eigen::MatrixXd parse_text_matrix(const std::string& text, const std::string& or
     const std::size_t count = parse_row(line, where, values);
     if (++rows == 1) cols = count;
     if (count != cols)
-      throw InvalidInput(where,
-                         fmt::format("row has {} numbers, expected {} as in row 1", count, cols));
+      throw InvalidInput(where, fmt::format("row has {}, expected {} as in row 1",
+                                            internal::counted(count, "number"), cols));
   }
   if (rows == 0)
     throw InvalidInput(origin, "has no numbers, expected a row of numbers on each line");

@@ -103,11 +103,32 @@ void require_short_lines(const std::string& text, const std::string& origin) {
   }
 }
 
+/// Whether a line of the text begins with the header of a table.
+bool has_header(std::string_view text, const std::string& header) {
+  for (std::size_t at = text.find(header); at != std::string_view::npos;
+       at = text.find(header, at + 1))
+    if (at == 0 || text[at - 1] == '\n') return true;
+  return false;
+}
+
 // Rewrites messages such as "Error while parsing key-value pair: cannot redefine existing integer
 // 'a'".
-std::string translate_message(std::string_view description) {
+std::string translate_message(std::string_view description, std::string_view text) {
   std::string words;
   for (const char c : description) words += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  if (const std::size_t saw = words.find("expected a comment or whitespace, saw ");
+      saw != std::string::npos) {
+    const std::string came = words.substr(words.find("saw ") + 4);
+    return came == "','" ? "not TOML: ',' after a value, expected a decimal point, or the end of "
+                           "the line"
+                         : fmt::format(
+                               "not TOML: {} after a value, expected the end of the line, "
+                               "because the unit is part of the key",
+                               came);
+  }
+  if (words.find("could not determine value type") != std::string::npos)
+    return "not TOML: the value is of no type, expected a number, a text in quotes, true, false, "
+           "[a list] or {a table}";
   const std::size_t twice = words.find("cannot redefine existing ");
   if (twice == std::string::npos) {
     const std::string prefix = "Error while parsing ";
@@ -117,8 +138,13 @@ std::string translate_message(std::string_view description) {
   const std::size_t open = words.find('\'', twice);
   const std::size_t close = open == std::string::npos ? open : words.find('\'', open + 1);
   if (close == std::string::npos) return "a key is defined twice";
-  return fmt::format("key {} is defined twice, expected once",
-                     printable(words.substr(open, close - open + 1)));
+  const std::string key = words.substr(open + 1, close - open - 1);
+  if (has_header(text, "[" + key + "]"))
+    return fmt::format(
+        "table [{0}] is defined twice, expected once, or [[{0}]] above each entry if "
+        "it is a list of tables",
+        printable(key));
+  return fmt::format("key '{}' is defined twice, expected once", printable(key));
 }
 
 }  // namespace
@@ -133,7 +159,8 @@ TomlTable TomlTable::parse(const std::string& text, const std::string& origin, s
     return TomlTable(std::move(root), node, origin, "");
   } catch (const toml::parse_error& error) {
     const auto line = std::max<toml::source_index>(error.source().begin.line, 1);
-    throw InvalidInput(fmt::format("{}:{}", origin, line), translate_message(error.description()));
+    throw InvalidInput(fmt::format("{}:{}", origin, line),
+                       translate_message(error.description(), text));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -26,6 +27,8 @@ std::string describe(const TomlNode& node) {
     case TomlNode::Kind::text:
       return fmt::format("the string '{}'", printable(node.text));
     case TomlNode::Kind::list:
+      if (!node.list.empty() && node.list.front().kind == TomlNode::Kind::table)
+        return fmt::format("a list of {}", counted(node.list.size(), "table"));
       return fmt::format("a list of {}", node.list.size());
     case TomlNode::Kind::table:
       return "a table";
@@ -222,8 +225,8 @@ Eigen::VectorXd TomlTable::vector(const std::string& key, const Range& range) co
 Eigen::Vector3d TomlTable::vector3(const std::string& key, const Range& range) const {
   const Eigen::VectorXd values = vector(key, range);
   if (values.size() != 3)
-    throw InvalidInput(where(key), fmt::format("{} has {} entries, expected 3 (x, y, z)",
-                                               named(key), values.size()));
+    throw InvalidInput(where(key), fmt::format("{} has {}, expected 3 (x, y, z)", named(key),
+                                               counted(values.size(), "entry", "entries")));
   return values;
 }
 
@@ -240,9 +243,9 @@ Eigen::MatrixXd TomlTable::matrix(const std::string& key) const {
       throw InvalidInput(at(row), fmt::format("row {} of {} is {}, expected a list of numbers",
                                               i + 1, named(key), describe(row)));
     if (row.list.size() != cols)
-      throw InvalidInput(at(row),
-                         fmt::format("row {} of {} has {} numbers, expected {} as in row 1", i + 1,
-                                     named(key), row.list.size(), cols));
+      throw InvalidInput(
+          at(row), fmt::format("row {} of {} has {}, expected {} as in row 1", i + 1, named(key),
+                               counted(row.list.size(), "number"), cols));
     for (Eigen::Index j = 0; j < M.cols(); ++j)
       M(i, j) = checked(row.list[static_cast<std::size_t>(j)],
                         fmt::format("entry ({},{}) of {}", i + 1, j + 1, named(key)), Range::any());
@@ -280,13 +283,15 @@ TomlTable TomlTable::inner(const TomlNode& node, const std::string& title) const
 
 TomlTable TomlTable::table(const std::string& key) const {
   const TomlNode& node = need(key);
+  std::string title = "[" + key + "]";
+  if (title_.rfind("[[", 0) == 0)  // "[[rotors]] 2" has no bracket at its end
+    title = title_ + "." + key;
+  else if (!title_.empty())
+    title = title_.substr(0, title_.size() - 1) + "." + key + "]";
   if (node.kind != TomlNode::Kind::table)
-    throw InvalidInput(at(node),
-                       fmt::format("{} is {}, expected a table", named(key), describe(node)));
-  if (title_.empty()) return inner(node, "[" + key + "]");
-  const bool in_list = title_.rfind("[[", 0) == 0;  // "[[rotors]] 2" has no bracket at its end
-  return inner(
-      node, in_list ? title_ + "." + key : title_.substr(0, title_.size() - 1) + "." + key + "]");
+    throw InvalidInput(at(node), fmt::format("{} is {}, expected one table, {}", named(key),
+                                             describe(node), title));
+  return inner(node, title);
 }
 
 std::optional<TomlTable> TomlTable::maybe_table(const std::string& key) const {
@@ -299,8 +304,9 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
   if (!has(key)) return all;
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list)
-    throw InvalidInput(at(node), fmt::format("{} is {}, expected a list of tables: [[{}]]",
-                                             named(key), describe(node), key));
+    throw InvalidInput(
+        at(node), fmt::format("{} is {}, expected a list of tables, each under [[{}]]", named(key),
+                              describe(node), key));
   for (const TomlNode& element : node.list) {
     const std::size_t count = all.size() + 1;
     if (element.kind != TomlNode::Kind::table)

@@ -10,6 +10,7 @@
 #include "logs/formats/unicode.hpp"
 #include "logs/log_checks.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
@@ -61,9 +62,10 @@ void require_log(const LogTable& table, const std::string& where) {
                          fmt::format("column name '{}' appears twice, expected distinct names",
                                      printable(column.name)));
     if (column.values.size() != table.rows())
-      throw InvalidInput(where, fmt::format("column '{}' has {} rows, expected {} as '{}' has",
-                                            printable(column.name), column.values.size(),
-                                            table.rows(), printable(table.columns.front().name)));
+      throw InvalidInput(
+          where, fmt::format("column '{}' has {}, expected {} as '{}' has", printable(column.name),
+                             counted(column.values.size(), "row"), table.rows(),
+                             printable(table.columns.front().name)));
   }
   for (const auto& [key, value] : table.about) {
     require_utf8(key, "the key");

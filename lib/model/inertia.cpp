@@ -71,9 +71,9 @@ void require_inertia(const Eigen::Matrix3d& J, const std::string& where, double 
                            axis(0), I(0)));
   if (!(I(0) >= kMinInertia) || !(I(0) >= kMinRatio * I(2)))
     throw InvalidInput(
-        where, fmt::format("inertia about {} is {:.6g} kg m2, expected at least {:.2g} because no "
-                           "body is thinner",
-                           axis(0), I(0), std::max(kMinInertia, kMinRatio * I(2))));
+        where, fmt::format("inertia about {} is {:.6g} kg m2, expected at least {:.2g} kg m2, "
+                           "because no real body has less next to {:.6g} kg m2 about {}",
+                           axis(0), I(0), std::max(kMinInertia, kMinRatio * I(2)), I(2), axis(2)));
   // I₁ + I₂ ≥ I₃ since I₁ + I₂ - I₃ = 2 ∫ x₃² dm; a plate meets it with equality, up to rounding.
   const double excess = I(2) - I(0) - I(1);
   if (excess > (tolerance + 1e-9) * I(2))

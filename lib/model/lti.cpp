@@ -23,11 +23,13 @@ void validate_lti(const Lti& plant, const std::string& where) {
   const Eigen::Index nx = plant.A.rows();
   const Eigen::Index nu = plant.B.cols();
   if (nx == 0) throw InvalidInput(where, "A is empty, expected at least one state");
-  require_shape(plant.A, nx, nx, where, "A", "A must be square");
-  if (plant.B.rows() != nx || nu == 0)
-    throw InvalidInput(where,
-                       fmt::format("B is {}, expected {} rows and at least one column (A is {})",
-                                   shape(plant.B), nx, shape(plant.A)));
+  if (plant.A.cols() != nx)
+    throw InvalidInput(where, fmt::format("A is {}, expected a square matrix", shape(plant.A)));
+  if (plant.B.rows() != nx)
+    throw InvalidInput(where, fmt::format("B is {}, expected {} row{} (A is {})", shape(plant.B),
+                                          nx, nx == 1 ? "" : "s", shape(plant.A)));
+  if (nu == 0)
+    throw InvalidInput(where, fmt::format("B is {}, expected at least one column", shape(plant.B)));
   const Eigen::Index ny = plant.C.size() ? plant.C.rows() : nx;
   if (plant.C.size()) require_shape(plant.C, ny, nx, where, "C", "A is " + shape(plant.A));
   if (plant.D.size())

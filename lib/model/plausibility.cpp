@@ -244,7 +244,7 @@ std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle) {
 
 std::string to_string(const Implausibility& figure) {
   const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
-  return fmt::format("{} is {:.4g}{}, plausible is {:.3g} to {:.3g}{}: {}", figure.quantity,
+  return fmt::format("{} is {:.4g}{}, expected {:.3g} to {:.3g}{}: {}", figure.quantity,
                      figure.value, unit, figure.low, figure.high, unit, figure.cause);
 }
 

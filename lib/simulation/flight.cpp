@@ -269,7 +269,7 @@ void validate(const FlightSetup& setup) {
   const double dt = control_period(setup);
   if (!(dt >= 1e-4 && dt <= 1))
     throw InvalidInput("flight",
-                       fmt::format("the control period is {} s, expected 0.0001 to 1 s", dt));
+                       fmt::format("dt is {} s, expected a control period of 0.0001 to 1 s", dt));
   if (!(setup.step > 0 && dt / setup.step <= 1e6) || !std::isfinite(setup.step))
     throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0 and at least "
                                              "a millionth of the control period, {} s",

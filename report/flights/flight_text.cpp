@@ -59,8 +59,8 @@ std::string bound_text(const PlannedFlight& plan) {
   text += fmt::format("at the end {:.3g} m\n", std::hypot(bound.horizontal_end, bound.height_end));
   for (const WidenedLimit& widened : plan.widened) {
     const std::string unit = widened.unit == "1" ? "" : " " + widened.unit;
-    text += fmt::format("  {:<34} judged by {:.4g}{} instead of {:.4g}{}\n", widened.label,
-                        widened.judged, unit, widened.asked, unit);
+    text += fmt::format("  {:<34} limit {:.4g}{} widened to {:.4g}{}\n", widened.label,
+                        widened.asked, unit, widened.judged, unit);
   }
   return text;
 }

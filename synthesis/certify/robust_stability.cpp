@@ -12,6 +12,7 @@
 #include "certify/contraction.hpp"
 #include "margins/loop_parts.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 
@@ -141,14 +142,15 @@ class Proof {
     const int before = result_.boxes;
     while (!open.empty()) {
       if (takes_too_long(result_.boxes - before, evidence.share))
-        return fail(StabilityProofStatus::not_proved, part, open.back().box,
-                    fmt::format("{} boxes were examined, and {:.2g} of the box is proved",
-                                result_.boxes, evidence.share));
+        return fail(
+            StabilityProofStatus::not_proved, part, open.back().box,
+            fmt::format("{} examined, and {:.2g} of the box is proved",
+                        internal::counted(result_.boxes, "box was", "boxes were"), evidence.share));
       const auto left = static_cast<std::size_t>(options_.max_boxes - result_.boxes);
       if (left == 0)
-        return fail(StabilityProofStatus::not_proved, part, open.back().box,
-                    fmt::format("{} {} examined", result_.boxes,
-                                result_.boxes == 1 ? "box was" : "boxes were"));
+        return fail(
+            StabilityProofStatus::not_proved, part, open.back().box,
+            fmt::format("{} examined", internal::counted(result_.boxes, "box was", "boxes were")));
       std::vector<OpenBox> together;
       while (!open.empty() && together.size() < std::min(kTogether, left)) {
         together.push_back(std::move(open.back()));

@@ -49,7 +49,8 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   const char* where = "kalman";
   const Eigen::Index nx = model.A.rows();
   if (nx == 0) throw InvalidInput(where, "A is empty, expected at least one state");
-  require_shape(model.A, nx, nx, where, "A", "A must be square");
+  if (model.A.cols() != nx)
+    throw InvalidInput(where, fmt::format("A is {}, expected a square matrix", shape(model.A)));
   const Eigen::Index ny = model.C.rows();
   if (ny == 0) throw InvalidInput(where, "C is empty, expected at least one measurement");
   require_shape(model.C, ny, nx, where, "C", "A is " + shape(model.A));
@@ -57,8 +58,9 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
       noise.G.size() ? noise.G : Eigen::MatrixXd(Eigen::MatrixXd::Identity(nx, nx));
   require_shape(G, nx, G.cols(), where, "G", "A is " + shape(model.A));
   const Eigen::Index nw = G.cols();
-  require_shape(noise.Q, nw, nw, where, "Q", fmt::format("G has {} columns", nw));
-  require_shape(noise.R, ny, ny, where, "R", fmt::format("C has {} rows", ny));
+  require_shape(noise.Q, nw, nw, where, "Q",
+                noise.G.size() ? "G is " + shape(G) : "A is " + shape(model.A));
+  require_shape(noise.R, ny, ny, where, "R", "C is " + shape(model.C));
   if (noise.N.size())
     require_shape(noise.N, nw, ny, where, "N", "one row per w, one column per measurement");
   require_finite(model.A, where, "A");
@@ -72,9 +74,10 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(noise.Q, Eigen::EigenvaluesOnly);
   const double min = eigen.eigenvalues().minCoeff();
   if (min < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
-    throw InvalidInput(where, fmt::format("Q has the eigenvalue {:.6g}, expected Q >= 0 because it "
-                                          "is a covariance",
-                                          min));
+    throw InvalidInput(where,
+                       fmt::format("Q has eigenvalue {:.6g}, expected none below 0 because it "
+                                   "is a covariance",
+                                   min));
   if (noise.N.size()) require_covariance(noise);
   StateNoise mapped;
   mapped.W = G * noise.Q * G.transpose();

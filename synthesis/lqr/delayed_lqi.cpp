@@ -32,10 +32,10 @@ AugmentedLqr<Lti> append_integrals(const Lti& plant, const LqrWeights& weights, 
   const Index ny = C.rows();
   const MatrixXd D = plant.D.size() ? plant.D : MatrixXd(MatrixXd::Zero(ny, nu));
   require_shape(weights.Q, nx + ny, nx + ny, where, "Q",
-                fmt::format("{} states and {} integrals of outputs", nx, ny));
+                fmt::format("states {}, integrals of outputs {}", nx, ny));
   if (weights.N.size())
     require_shape(weights.N, nx + ny, nu, where, "N",
-                  fmt::format("{} states and {} integrals of outputs, {} inputs", nx, ny, nu));
+                  fmt::format("states {}, integrals of outputs {}, inputs {}", nx, ny, nu));
   AugmentedLqr<Lti> result{plant, weights};
   Lti& p = result.plant;
   p.A = MatrixXd::Zero(nx + ny, nx + ny);

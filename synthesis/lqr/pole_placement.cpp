@@ -292,8 +292,7 @@ PolePlacement place_poles(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<
   require_finite(A, where, "A");
   require_finite(B, where, "B");
   if (poles.size() != n || !poles.allFinite())
-    throw InvalidInput(where, fmt::format("there are {} poles, expected {} finite ones, as many as "
-                                          "states",
+    throw InvalidInput(where, fmt::format("poles has {}, expected {} finite numbers, one per state",
                                           poles.size(), n));
   PolePlacement result;
   result.K = MatrixXd::Constant(B.cols(), n, std::numeric_limits<double>::quiet_NaN());

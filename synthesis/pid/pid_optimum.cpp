@@ -7,12 +7,15 @@
 #include <cmath>
 #include <complex>
 #include <ostream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pid/gain_search.hpp"
 #include "pid/loop_shape.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 
 namespace quadtune {
@@ -26,16 +29,17 @@ using internal::SensitivityPeaks;
 using Complex = std::complex<double>;
 
 void validate_bounds(const PidBounds& bounds, PidType type, double Tf) {
-  const char* where = "greatest_integral_gain";
+  const char* where = "max_integral_gain";
   if (type != PidType::PI && type != PidType::PID)
     throw InvalidInput(where, fmt::format("type is {}, expected PI or PID because the others have "
                                           "no integral gain",
                                           to_string(type)));
-  if (!(bounds.Ms_max > 1) || !(bounds.Mt_max > 1))
-    throw InvalidInput(where,
-                       fmt::format("Ms_max is {} and Mt_max {}, expected more than 1 because "
-                                   "integral action makes both at least 1",
-                                   bounds.Ms_max, bounds.Mt_max));
+  for (const auto& [name, peak] : {std::pair("Ms_max", bounds.Ms_max), {"Mt_max", bounds.Mt_max}})
+    if (!(peak > 1))
+      throw InvalidInput(where,
+                         fmt::format("{} is {}, expected more than 1 because no loop with integral "
+                                     "action has less",
+                                     name, peak));
   if (!(bounds.noise_gain_max > 0))
     throw InvalidInput(
         where, fmt::format("noise_gain_max is {}, expected more than 0", bounds.noise_gain_max));
@@ -43,8 +47,8 @@ void validate_bounds(const PidBounds& bounds, PidType type, double Tf) {
     throw InvalidInput(where, fmt::format("Tf is {} s, expected 0 or more", Tf));
   if (type == PidType::PID && Tf == 0 && std::isfinite(bounds.noise_gain_max))
     throw InvalidInput(where,
-                       "Tf is 0 s with a bound on the noise gain, expected a filter because "
-                       "without one the noise gain is infinite");
+                       "Tf is 0 s with a bound on the noise gain, expected more because the noise "
+                       "gain of a derivative without a filter is infinite");
 }
 
 /// Maximizes Ki for one transfer function; Kp and Kd are searched.
@@ -137,6 +141,36 @@ class IntegralProblem : public internal::GainProblem {
   double sign_;  ///< sign of the plant's low-frequency response and of the gains
 };
 
+/// Whether Ki may grow without bound: the loop K/s, for any K, is within reach of the controller.
+/// High gain then only brings S nearer to 0 and T nearer to 1.
+bool is_unbounded(const ContinuousTransferFunction& plant, PidType type, const PidBounds& bounds,
+                  double Tf) {
+  if (plant.delay > 0 || std::isfinite(bounds.noise_gain_max)) return false;
+  const Eigen::VectorXd num = without_leading_zeros(plant.num);
+  const Eigen::VectorXcd zeros = polynomial_roots(num);
+  if (zeros.size() > 0 && !(zeros.real().maxCoeff() < 0)) return false;
+  return plant.den.size() - num.size() <= (type == PidType::PID && Tf == 0 ? 2 : 1);
+}
+
+/// "Ms <= 1.4 and a noise gain <= 20": the bounds that are finite.
+std::string describe(const PidBounds& bounds) {
+  std::vector<std::string> parts;
+  const auto add = [&](const char* name, double bound) {
+    if (std::isfinite(bound)) parts.push_back(fmt::format("{} <= {:.4g}", name, bound));
+  };
+  add("Ms", bounds.Ms_max);
+  add("Mt", bounds.Mt_max);
+  add("a noise gain", bounds.noise_gain_max);
+  return internal::joined(parts, " and ");
+}
+
+std::string unlimited(PidType type) {
+  return fmt::format(
+      "Ki of a {} is unbounded: the plant has neither enough delay "
+      "nor enough lag to limit it",
+      to_string(type));
+}
+
 }  // namespace
 
 constexpr internal::EnumName<PidOptimumStatus> kPidOptimumStatuses[] = {
@@ -161,34 +195,34 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum) {
 
 PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType type,
                              const PidBounds& bounds, double Tf) {
-  quadtune::validate(plant, "greatest_integral_gain");
+  quadtune::validate(plant, "max_integral_gain");
   validate_bounds(bounds, type, Tf);
   if (plant.num.isZero(0))
-    throw InvalidInput("greatest_integral_gain",
+    throw InvalidInput("max_integral_gain",
                        "num is 0, expected a plant that responds to its input");
+  PidOptimum optimum;
+  if (is_unbounded(plant, type, bounds, Tf)) {
+    optimum.status = PidOptimumStatus::unbounded;
+    optimum.culprit = unlimited(type);
+    return optimum;
+  }
   const IntegralProblem problem(plant, type, bounds, Tf);
   const LoopShape& shape = problem.shape();
   internal::GainSearch search(problem);
   const GainPoint best =
       search.climb(search.best_of(problem.starts()), {.over_Kd = type == PidType::PID});
   const internal::MaxGain max = search.max(best);
-  PidOptimum optimum;
   optimum.evaluations = search.evaluations();
   if (!max.within_bounds()) {
     optimum.status = PidOptimumStatus::not_found;
-    optimum.culprit = fmt::format(
-        "no stabilizing {} was found with Ms <= {:.4g}, Mt <= {:.4g} "
-        "and a noise gain <= {:.4g}",
-        to_string(type), bounds.Ms_max, bounds.Mt_max, bounds.noise_gain_max);
+    optimum.culprit = fmt::format("the search found no {} whose loop is stable with {}",
+                                  to_string(type), describe(bounds));
     return optimum;
   }
   // A first-order loop is stable with any gain: the search then ends at the end of its grid.
   if (!(max.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
     optimum.status = PidOptimumStatus::unbounded;
-    optimum.culprit = fmt::format(
-        "Ki of a {} is unbounded: the plant has neither enough delay "
-        "nor enough lag to limit it",
-        to_string(type));
+    optimum.culprit = unlimited(type);
     return optimum;
   }
   optimum.status = PidOptimumStatus::solved;

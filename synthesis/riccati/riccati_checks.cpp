@@ -70,9 +70,9 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
   const double min = smallest_eigenvalue(M);
   if (min >= -kIndefiniteByRounding * norm) return {};
   return fmt::format(
-      "{} has eigenvalue {:.6g}, expected {} >= 0 (up to a rounding error of {:g} of its "
-      "norm {:.3g})",
-      name, min, name, kIndefiniteByRounding, norm);
+      "{} has eigenvalue {:.6g}, expected {} >= 0, because a negative weight rewards a deviation; "
+      "check the signs",
+      name, min, name);
 }
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,

@@ -123,7 +123,7 @@ TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
       run_program({"calibrate", "imu", "--log", imu, "--magnetometer", "mx,my,mz"});
   EXPECT_EQ(lacking.status, 3);
   EXPECT_THAT(lacking.err, HasSubstr(imu + ": has no channel 'mx'"));
-  EXPECT_THAT(lacking.err, HasSubstr("a channel of another file is called CHANNEL@FILE"));
+  EXPECT_THAT(lacking.err, HasSubstr("for a channel of another log, write CHANNEL@FILE"));
 }
 
 // Columns by number, a rate for the times, no header, the log on standard input.
@@ -375,7 +375,7 @@ TEST(AllanVerb, SaysWhatTheReaderWarnsOf) {
     EXPECT_EQ(json["samples"], 1000);
     ASSERT_EQ(json["warnings"].size(), 2U);
     EXPECT_THAT(std::string(json["warnings"][0]), HasSubstr("taken as nanoseconds since 1970"));
-    EXPECT_THAT(std::string(json["warnings"][1]), HasSubstr("1 of 1001 rows are at time 0"));
+    EXPECT_THAT(std::string(json["warnings"][1]), HasSubstr("1 of 1001 rows is at time 0"));
     EXPECT_THAT(result.err, HasSubstr("allan: warning: " + file + ": 1 of 1001 rows"));
   }
 }

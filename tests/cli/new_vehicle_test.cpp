@@ -75,7 +75,7 @@ TEST(VehicleNew, RefusesInOneLine) {
   EXPECT_THAT(refused(and_also(kMeasured, {"--lag", "40"})),
               HasSubstr("--lag is '40', expected a number greater than 0 with a unit: ms or s"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--inertia", "0.01kgm2"})),
-              HasSubstr("--inertia has 1 entries, expected 3"));
+              HasSubstr("--inertia has 1 entry, expected 3"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--inertia", "0.01kgm2,0.01kgm2,0.03kgm2"})),
               HasSubstr("inertia"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--layout", "h"})),

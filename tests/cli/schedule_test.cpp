@@ -152,7 +152,7 @@ TEST(Schedule, IsRefusedWhereOneLawIsAsked) {
     EXPECT_EQ(result.status, 3) << args[0] << result.err;
     EXPECT_THAT(result.err,
                 HasSubstr("k.json: has gains for many trims; expected those of one law; this is "
-                          "a gain schedule; it is read by: quadtune fly --gains"));
+                          "a gain schedule, which is for quadtune fly --gains"));
   }
   const ProgramResult cascade =
       run_program({"fly", "mambo", "--gains", path, "--controller", "pid"});

@@ -145,7 +145,7 @@ TEST(TuneVerb, SaysWhyAutocovariancesCannotTellALog) {
   const ProgramResult result = tune(folder.write("torn.csv", text).string(), {"--method", "als"});
   EXPECT_EQ(result.status, 4);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, HasSubstr("tune: no stretch with a constant sample time and all "
+  EXPECT_THAT(result.err, HasSubstr("tune kalman: no stretch with a constant sample time and all "
                                     "measurements at each sample has the 30 samples or more"));
 }
 
@@ -156,7 +156,7 @@ TEST(TuneVerb, DoesNotBelieveAFilteredLog) {
   const std::string tuned = (folder.path() / "tuned.toml").string();
   const ProgramResult result = tune(file, {"-o", tuned});
   EXPECT_EQ(result.status, 1);
-  EXPECT_THAT(result.err, HasSubstr("tune: sonar: height: innovations are not white"));
+  EXPECT_THAT(result.err, HasSubstr("tune kalman: sonar: height: innovations are not white"));
   EXPECT_THAT(result.out, HasSubstr("verdict     fail"));
   EXPECT_FALSE(std::filesystem::exists(tuned));
   const ProgramResult forced = tune(file, {"-o", tuned, "--force"});
@@ -289,7 +289,8 @@ TEST(TuneVerb, SaysWhatItTakesAClockFor) {
                 1e-6 * expected["parameters"][i]["value"].get<double>());
   const std::string said = "states no unit and is taken as nanoseconds since 1970";
   EXPECT_THAT(json["logs"][0]["warnings"][0].get<std::string>(), HasSubstr(said));
-  EXPECT_THAT(result.err, HasSubstr("tune: warning: " + ns + ": the clock 'timestamp' " + said));
+  EXPECT_THAT(result.err,
+              HasSubstr("tune kalman: warning: " + ns + ": the clock 'timestamp' " + said));
   EXPECT_THAT(folder.read("tuned.toml"), HasSubstr(said));
   const std::string us = folder.write("us.csv", clocked(0, 1000));
   const ProgramResult refused = tune(us);
@@ -305,7 +306,7 @@ TEST(TuneVerb, SaysHowAChannelOfAnotherFileIsCalled) {
   const ProgramResult result = tune(imu);
   EXPECT_EQ(result.status, 3);
   EXPECT_THAT(result.err, HasSubstr("has no channel 'height'"));
-  EXPECT_THAT(result.err, HasSubstr("a channel of another file is called CHANNEL@FILE"));
+  EXPECT_THAT(result.err, HasSubstr("for a channel of another log, write CHANNEL@FILE"));
 }
 
 TEST(TuneVerb, RefusesOutliers) {
@@ -516,10 +517,11 @@ TEST(TuneVerb, RefusesWhatNeverChanges) {
         {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--method", method});
     EXPECT_EQ(result.status, 4) << result.out;
     EXPECT_EQ(result.out, "");
-    EXPECT_THAT(result.err,
-                HasSubstr("tune: position: position is constant over the fitted part: all 800 "
-                          "measurements are 3 m; expected varying ones, because their noise is "
-                          "estimated from them"));
+    EXPECT_THAT(
+        result.err,
+        HasSubstr("tune kalman: position: position is constant over the fitted part: all 800 "
+                  "measurements are 3 m; expected varying ones, because their noise is "
+                  "estimated from them"));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   }
   // Its noise cannot be estimated.

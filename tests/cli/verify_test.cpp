@@ -19,6 +19,7 @@ namespace quadtune::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 class VerifyManifest : public ::testing::Test {
@@ -63,6 +64,29 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
 }
 
 // A calibration of the sensors is exported with the gains; only its hash protects it.
+// Only verify checks an export; what else reads it must not be silent about a changed file.
+TEST_F(VerifyManifest, FlyAndDiffNoteAChangedFileOnce) {
+  const std::string out = exported("mambo-hover");
+  const auto notes = [&](const std::vector<std::string>& args) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.err;
+  };
+  const std::vector<std::string> fly = {"fly",        "mambo", "--gains",   out,
+                                        "--duration", "1",     "--sensors", "ideal"};
+  EXPECT_THAT(notes({"diff", out, out}), Not(HasSubstr("does not match")));
+  EXPECT_THAT(notes(fly), Not(HasSubstr("does not match")));
+  const Json manifest = Json::parse(folder_.read("out-mambo-hover/manifest.json"));
+  const std::string file = manifest["files"][0]["path"];
+  folder_.write("out-mambo-hover/" + file, folder_.read("out-mambo-hover/" + file) + "\n");
+  const std::string note = "note: " + out + "/" + file +
+                           " does not match manifest.json: it was changed after the export";
+  for (const std::string& err : {notes(fly), notes({"diff", out, out})}) {
+    EXPECT_THAT(err, HasSubstr(note));
+    EXPECT_EQ(err.find("does not match"), err.rfind("does not match")) << err;
+  }
+}
+
 TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   (void)exported("uquad-hover");
   const std::string design = (folder_.path() / "uquad-hover.toml").string();
@@ -230,7 +254,7 @@ TEST_F(VerifyManifest, NoticesAnotherCascade) {
       return result.out;
     };
     EXPECT_THAT(verify_with("/cascade/loops/3/Kp", 0.02),
-                HasSubstr("FAIL cascade is that of the manifest: 1 numbers differ, most Kp(roll)"));
+                HasSubstr("FAIL cascade is that of the manifest: 1 number differs, most Kp(roll)"));
     EXPECT_THAT(verify_with("/cascade/dt_s", 0.01), HasSubstr("FAIL cascade is that of"));
     EXPECT_THAT(verify_with("/cascade_closed_loop/poles/0/0", -0.25),
                 HasSubstr("FAIL poles of the cascade are those of the manifest"));

@@ -166,9 +166,9 @@ TEST(UquadText, RefusesWhatTheFlightProgramWouldMisread) {
         << text;
   };
   refusal("1 2\n3 4 5\n", "K.txt:2: has 3 numbers, expected 2");
-  refusal("1 2\n3\n", "K.txt:2: has 1 numbers, expected 2");
+  refusal("1 2\n3\n", "K.txt:2: has 1 number, expected 2");
   refusal("1 2\n3 4\n5 6\n", "K.txt:3: has more than 2 rows, expected 2x2");
-  refusal("1 2\n", "K.txt: ends after 1 rows, expected 2x2");
+  refusal("1 2\n", "K.txt: ends after 1 row, expected 2x2");
   refusal("", "K.txt: ends after 0 rows, expected 2x2");
   refusal("1 2\n3 nan\n", "K.txt:2: 'nan' is not a finite number");
   refusal("1 2\n3 -inf\n", "K.txt:2: '-inf' is not a finite number");

@@ -256,6 +256,18 @@ TEST(Linearize, ACircleNotesThatItsAxesRotate) {
                           "rad/s clockwise seen from above"));
 }
 
+TEST(Linearize, ALineWithoutDragNotesThatItCostsNothing) {
+  const FlightCondition line = {FlightKind::line, 0, 500};
+  EXPECT_THAT(
+      linearize(plus_quadrotor(), line).notes,
+      ElementsAre("the vehicle file gives no drag, so that flight at 500 m/s costs nothing: "
+                  "no tilt, no thrust and no limit of the speed"));
+  Vehicle with_drag = plus_quadrotor();
+  with_drag.drag.cda.setConstant(1e-6);
+  EXPECT_THAT(linearize(with_drag, {FlightKind::line, 0, 5}).notes, IsEmpty());
+  EXPECT_THAT(linearize(plus_quadrotor(), kHover).notes, IsEmpty());
+}
+
 TEST(Linearize, WithoutATrimThereAreNoNumbers) {
   Vehicle vehicle = plus_quadrotor();
   vehicle.mass = 5;

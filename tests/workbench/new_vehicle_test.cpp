@@ -174,7 +174,8 @@ TEST(NewVehicle, RefusesWhatContradicts) {
   using M = MeasuredVehicle;
   refused([](M& m) { m.mass = 1400; }, "mass is 1400 kg, expected more than 0 and at most 200 kg");
   refused([](M& m) { m.mass = std::numeric_limits<double>::quiet_NaN(); }, "mass is nan kg");
-  refused([](M& m) { m.arm = 0.11; }, "neighbouring rotors are 0.1556 m apart");
+  refused([](M& m) { m.arm = 0.11; },
+          "expected at most 0.1556 m, the distance of neighbouring rotors with --arm 0.11 m");
   refused([](M& m) { m.rotors = 5; }, "rotors is 5, expected 4, 6 or 8");
   refused([](M& m) { m.max_thrust = 3; }, "expected more than 3.433 N, which carries 1.4 kg");
   refused([](M& m) { m.thrust_to_weight = 0.9; }, "thrust-to-weight is 0.9");
@@ -184,20 +185,20 @@ TEST(NewVehicle, RefusesWhatContradicts) {
         m.max_thrust = 8;
         m.thrust_to_weight = 2;
       },
-      "both given");
+      "thrust-to-weight and --max-thrust are both given");
   refused(
       [](M& m) {
         m.max_thrust = 8;
         m.max_speed = 900;
         m.hover_speed = 500;
       },
-      "all given, expected two of them");
+      "hover-speed, --max-speed and --max-thrust or --thrust-to-weight are given, expected two");
   refused(
       [](M& m) {
         m.max_speed = 400;
         m.hover_speed = 500;
       },
-      "max-speed is not above hover-speed");
+      "max-speed is 400 rad/s, expected more than the 500 rad/s of --hover-speed");
 }
 
 }  // namespace

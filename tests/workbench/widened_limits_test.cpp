@@ -65,10 +65,11 @@ TEST(WidenedLimits, FollowTheBound) {
         std::pair(Metric::touchdown_speed, 0.0), std::pair(Metric::settling_time, 10.0)})
     EXPECT_EQ(limit_of(mission, metric), max) << name_of(metric);
   ASSERT_EQ(widened.size(), 10U);
-  EXPECT_EQ(describe(widened[0]), "bound of the sensors 0.16 rms; judged by 0.84 instead of 0.1");
+  EXPECT_EQ(describe(widened[0]),
+            "limit 0.1 widened to 0.84, because the sensors alone cause 0.16 rms");
   EXPECT_EQ(widened[1].what, "tracking_rms");
   EXPECT_EQ(describe(widened[1]),
-            "bound of the sensors 0.32 m rms; judged by 0.48 m instead of 0.05 m");
+            "limit 0.05 m widened to 0.48 m, because the sensors alone cause 0.32 m rms");
   EXPECT_EQ(widened.back().what, "settling_band");
 }
 

@@ -11,6 +11,7 @@
 
 #include "imu/allan_covariance.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/tails.hpp"
 #include "quadtune/tuning/allan.hpp"
 
@@ -355,9 +356,9 @@ AllanAnalysis analyse_allan(const Eigen::Ref<const Vector>& rate, double dt,
   const auto samples = static_cast<std::size_t>(rate.size());
   if (samples < kMinAllanSamples)
     throw InvalidInput("allan",
-                       fmt::format("there are {} samples; expected at least {}, because fewer "
+                       fmt::format("the log has {}, expected at least {}, because fewer "
                                    "do not determine a slope",
-                                   samples, kMinAllanSamples));
+                                   internal::counted(samples, "sample"), kMinAllanSamples));
   if (factors.empty()) factors = allan_factors(samples, AllanTaus::octaves);
   const std::vector<AllanPoint> points = allan_deviation(rate, dt, factors);
   const Octaves octaves = octaves_of(rate, dt);

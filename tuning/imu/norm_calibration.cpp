@@ -12,6 +12,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/tails.hpp"
 
@@ -235,13 +236,14 @@ void name_unseen(const Vector& direction, std::vector<std::string>& names) {
 void refuse(SensorCalibration& calibration, const Matrix& J, int parameters) {
   calibration.status = CalibrationStatus::not_observable;
   calibration.missing = missing_poses(J, parameters);
-  std::string text = J.rows() <= parameters
-                         ? fmt::format(
-                               "there are {} poses; expected at least {}, because {} parameters "
-                               "are fitted and one more pose is needed to check them",
-                               J.rows(), parameters + 1, parameters)
-                         : fmt::format("{} poses do not determine {}", J.rows(),
-                                       internal::joined(calibration.unseen, ", "));
+  std::string text =
+      J.rows() <= parameters
+          ? fmt::format(
+                "the log has {}, expected at least {}, because {} parameters are fitted "
+                "and one more pose is needed to check them",
+                internal::counted(J.rows(), "pose"), parameters + 1, parameters)
+          : fmt::format("{} {} not determine {}", internal::counted(J.rows(), "pose"),
+                        J.rows() == 1 ? "does" : "do", internal::joined(calibration.unseen, ", "));
   if (!calibration.missing.empty())
     text += fmt::format("; missing poses: {}", internal::joined(calibration.missing, ", "));
   calibration.culprit = text;

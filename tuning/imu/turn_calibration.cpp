@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "imu/turn_residuals.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/tails.hpp"
 
@@ -377,9 +378,9 @@ SensorCalibration Fitter::run() {
   const auto too_few = [&] {
     result.status = CalibrationStatus::not_observable;
     result.culprit = fmt::format(
-        "there are {} turns between poses; expected at least {}, because each "
+        "the log has {} between poses, expected at least {}, because each "
         "determines 2 of 9 parameters",
-        samples_.size(), kMinTurns);
+        internal::counted(samples_.size(), "turn"), kMinTurns);
     result.missing = {"turns about x, y and z, each with that axis level"};
     return result;
   };

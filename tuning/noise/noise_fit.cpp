@@ -13,6 +13,7 @@
 #include "noise/noise_description.hpp"
 #include "noise/noise_search.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
 
@@ -118,9 +119,9 @@ class Fit {
     }
     if (fit_.before.innovations < static_cast<Index>(free_.size()))
       throw InvalidInput("fit",
-                         fmt::format("there are {} measurements for {} parameters; expected at "
-                                     "least as many",
-                                     fit_.before.innovations, free_.size()));
+                         fmt::format("the log has {} for {}, expected at least as many",
+                                     internal::counted(fit_.before.innovations, "measurement"),
+                                     internal::counted(free_.size(), "free parameter")));
   }
 
   [[nodiscard]] std::vector<VectorXd> starts() const {

@@ -13,6 +13,7 @@
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
@@ -162,9 +163,10 @@ ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) 
   require_vehicle({schedule.vehicle, {}, {}}, vehicle, options.gains);
   const Eigen::Index points = schedule.size();
   try {
-    return {scheduled_controller(vehicle, std::move(schedule), kUsualPeriod),
-            fmt::format("gain schedule of {}, {} points", options.gains, points),
-            {}};
+    return {
+        scheduled_controller(vehicle, std::move(schedule), kUsualPeriod),
+        fmt::format("gain schedule of {}, {}", options.gains, internal::counted(points, "point")),
+        {}};
   } catch (const InvalidInput& error) {
     throw InvalidInput(options.gains, error.what());
   }

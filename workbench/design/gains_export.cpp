@@ -15,6 +15,7 @@
 #include "quadtune/exports/included_estimator.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
@@ -112,8 +113,8 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
     const Eigen::Index points = content.schedule->size();
     const Eigen::Index none = points - content.schedule->solved_count();
     if (none == 0) return {};
-    return {fmt::format("{} of {} points have no gain; the program's status reports them", none,
-                        points)};
+    return {fmt::format("{} of {} {} no gain; the program's status reports that", none,
+                        internal::counted(points, "point"), none == 1 ? "has" : "have")};
   }
   if (exporter.target.is_firmware) {
     const ExportContent before = content;

@@ -50,7 +50,7 @@ std::optional<FlownLoop> flown_loop_of(const VehicleLqrReport& report, Messages&
   try {
     return flown_loop(hover_under(report.plant.vehicle, report.gains));
   } catch (const InvalidInput& error) {
-    messages.push_back(fmt::format("note: the flown loop is not analysed: {}", error.what()));
+    messages.push_back(fmt::format("note: the flown loop is not analysed: {}", error.message()));
     return {};
   }
 }

@@ -21,6 +21,15 @@ constexpr double kMinDelay = 1;   ///< [samples]
 double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
+/// A value below `bound` with as many decimals, at least `decimals`, as show that it is below.
+std::string below(double value, double bound, int decimals) {
+  constexpr int kMost = 9;
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  while (decimals < kMost && std::stod(text) >= bound)
+    text = fmt::format("{:.{}f}", value, ++decimals);
+  return text;
+}
+
 }  // namespace
 
 MarginsEvidence margins_evidence(const std::string& word) {
@@ -87,25 +96,25 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < report.loops.size(); ++i) {
     const LoopMargins& m = report.loops[i];
-    const auto warn = [&](const std::string& what) {
-      warnings.push_back(fmt::format(
-          "{}: {}", report.loops.size() > 1 ? "loop " + report.names[i] : "the loop", what));
-    };
+    const std::string name = report.loops.size() > 1 ? "loop " + report.names[i] : "the loop";
+    const auto warn = [&](const std::string& what) { warnings.push_back(name + ": " + what); };
     if (!m.stable) {
-      warn("unstable");
+      warnings.push_back(name + " is unstable when closed, so that it has no margins");
       continue;
     }
     const double up = decibels(m.gain_margin);
     const double down = -decibels(m.gain_reduction);
-    if (up < kMinGain) warn(fmt::format("gain margin {:.1f} dB, less than {} dB", up, kMinGain));
+    if (up < kMinGain)
+      warn(fmt::format("gain margin {} dB, less than {} dB", below(up, kMinGain, 1), kMinGain));
     if (down < kMinGain)
-      warn(fmt::format("gain may decrease by only {:.1f} dB, less than {} dB", down, kMinGain));
+      warn(fmt::format("gain may decrease by only {} dB, less than {} dB", below(down, kMinGain, 1),
+                       kMinGain));
     if (degrees(std::abs(m.phase_margin)) < kMinPhase)
-      warn(fmt::format("phase margin {:.1f} deg, less than {} deg", degrees(m.phase_margin),
-                       kMinPhase));
+      warn(fmt::format("phase margin {} deg, less than {} deg",
+                       below(degrees(m.phase_margin), kMinPhase, 1), kMinPhase));
     if (report.dt > 0 && m.delay_margin < kMinDelay * report.dt)
-      warn(fmt::format("delay margin {:.2f} ms, less than a sample of {:.2f} ms",
-                       1e3 * m.delay_margin, 1e3 * report.dt));
+      warn(fmt::format("delay margin {} ms, less than a sample of {:.4g} ms",
+                       below(1e3 * m.delay_margin, 1e3 * report.dt, 2), 1e3 * report.dt));
   }
   return warnings;
 }

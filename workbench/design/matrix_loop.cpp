@@ -13,6 +13,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/words.hpp"
@@ -27,9 +28,10 @@ using Eigen::MatrixXd;
 /// The transfer function of a continuous PID controller. Terms whose gain is 0 add no poles.
 ContinuousTransferFunction pid_fraction(const PidGains& gains) {
   if (gains.Kd != 0 && gains.Tf == 0)
-    throw InvalidInput("controller",
-                       "the derivative has no filter, expected a fourth number, Tf, because the "
-                       "controller has more zeros than poles otherwise");
+    throw InvalidInput(
+        "controller",
+        "pid has no filter of the derivative, expected a fourth number, Tf, because the "
+        "controller has more zeros than poles otherwise");
   return loop_of({Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1), 0}, gains);
 }
 
@@ -103,12 +105,19 @@ std::complex<double> controller_response(const LoopController& controller, doubl
     const MatrixXd& gain = element.gain;
     if (!element.system) {
       if (gain.size() != 1)
-        throw InvalidInput("controller", "expected one input and one output, as the data have");
+        throw InvalidInput(
+            "controller",
+            fmt::format("the controller has {} and {}, expected one of each, as the data have",
+                        internal::counted(gain.cols(), "input"),
+                        internal::counted(gain.rows(), "output")));
       return gain(0, 0);
     }
     const Eigen::MatrixXcd G = FrequencyResponse(*element.system).at(w);
     if (G.size() != 1)
-      throw InvalidInput("controller", "expected one input and one output, as the data have");
+      throw InvalidInput(
+          "controller",
+          fmt::format("the controller has {} and {}, expected one of each, as the data have",
+                      internal::counted(G.cols(), "input"), internal::counted(G.rows(), "output")));
     return G(0, 0);
   };
   return dt > 0 ? at(element_of<DiscreteLti>(controller, dt))
@@ -270,8 +279,9 @@ FrequencyData parse_frequency_data(const std::string& text, const std::string& o
     for (const std::string& word : words) {
       double value = 0;
       if (!internal::read_number(word, value))
-        throw InvalidInput(where,
-                           fmt::format("'{}' is not a finite number", internal::printable(word)));
+        throw InvalidInput(
+            where, fmt::format("'{}' is not a finite number, expected a number such as 0.01",
+                               internal::printable(word)));
       row.push_back(value);
     }
     const double frequency = columns.w >= 0

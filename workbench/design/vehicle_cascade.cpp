@@ -149,7 +149,7 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
     result.loop = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),
                                          result.content.estimator, ""));
   } catch (const InvalidInput& error) {
-    result.not_analysed = error.what();
+    result.not_analysed = error.message();
   }
   return result;
 }

@@ -7,6 +7,7 @@
 
 #include "firmware/turn_parts.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/synthesis/open_loop.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
@@ -115,10 +116,9 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   if (file) {
     result.notes.insert(result.notes.end(), file->notes.begin(), file->notes.end());
     if (file->others > 0)
-      result.notes.push_back(
-          fmt::format("{} other parameters of the file do not belong to these "
-                      "loops",
-                      file->others));
+      result.notes.push_back(fmt::format("{} of the file {} not belong to these loops",
+                                         internal::counted(file->others, "other parameter"),
+                                         file->others == 1 ? "does" : "do"));
     note_hover(firmware, vehicle, *file, result.notes);
   }
   for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);
@@ -130,7 +130,7 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
     result.flown = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),
                                           result.content.estimator, ""));
   } catch (const InvalidInput& error) {
-    result.notes.push_back(std::string("the flown loop is not analysed: ") + error.what());
+    result.notes.push_back(std::string("the flown loop is not analysed: ") + error.message());
   }
   return result;
 }

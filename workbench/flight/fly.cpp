@@ -207,9 +207,14 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
     const bool ended = flight.result.end != FlightEnd::completed;
     if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
       continue;
-    std::string reason = fmt::format(
-        "{} is {}, expected {} {}", label_of(check.metric), describe(check.metric, check.value),
-        check.at_least ? "at least" : "at most", describe(check.metric, check.bound));
+    std::string reason =
+        check.metric == Metric::settling_time && !std::isfinite(check.value)
+            ? fmt::format("the vehicle does not settle, expected a settling time of at most {}",
+                          describe(check.metric, check.bound))
+            : fmt::format("{} is {}, expected {} {}", label_of(check.metric),
+                          describe(check.metric, check.value),
+                          check.at_least ? "at least" : "at most",
+                          describe(check.metric, check.bound));
     for (const WidenedLimit& widened : flight.plan.widened)
       if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", describe(widened));
     why.push_back(std::move(reason));

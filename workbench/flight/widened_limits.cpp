@@ -92,8 +92,9 @@ std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& missi
 
 std::string describe(const WidenedLimit& widened) {
   const std::string unit = widened.unit == "1" ? "" : " " + widened.unit;
-  return fmt::format("bound of the sensors {:.3g}{} rms; judged by {:.3g}{} instead of {:.3g}{}",
-                     widened.bound, unit, widened.judged, unit, widened.asked, unit);
+  return fmt::format(
+      "limit {:.3g}{} widened to {:.3g}{}, because the sensors alone cause {:.3g}{} rms",
+      widened.asked, unit, widened.judged, unit, widened.bound, unit);
 }
 
 }  // namespace quadtune

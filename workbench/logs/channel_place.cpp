@@ -11,7 +11,7 @@ ChannelPlace channel_place(const std::string& word, const std::string& log) {
 
 InvalidInput lacks_channel(const UnknownChannel& lacking) {
   return {lacking.where(),
-          lacking.problem() + "; a channel of another file is called CHANNEL@FILE"};
+          lacking.problem() + "; for a channel of another log, write CHANNEL@FILE"};
 }
 
 LogChannels read_channels(const std::string& file, const std::vector<std::string>& names,

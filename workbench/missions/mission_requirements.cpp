@@ -9,6 +9,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/limit_reader.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -69,8 +70,9 @@ std::vector<Limit> read_limits(const TomlTable& table) {
   std::vector<Limit> limits;
   for (std::size_t m = 0; m < kMetrics; ++m) {
     const std::string key = limit_key(static_cast<Metric>(m));
+    const auto metric = static_cast<Metric>(m);
     if (table.has(key))
-      limits.push_back({static_cast<Metric>(m), table.number(key, Range::not_negative())});
+      limits.push_back({metric, internal::read_limit(table, metric, Range::not_negative())});
   }
   return limits;
 }

@@ -55,18 +55,20 @@ void validate(const MeasuredVehicle& m) {
   const double apart = 2 * m.arm * std::sin(kPi / m.rotors);  // [m], between neighbouring hubs
   require(
       m.propeller <= apart, "propeller",
-      fmt::format("propeller is {:.4g} m, but neighbouring rotors are {:.4g} m apart on arms of "
-                  "{:.4g} m; expected propellers that do not overlap (arm is from the centre "
-                  "to the axis of a rotor, propeller is a diameter)",
+      fmt::format("propeller is {:.4g} m in diameter, expected at most {:.4g} m, the distance of "
+                  "neighbouring rotors with --arm {:.4g} m from the centre to the axis of a rotor",
                   m.propeller, apart, m.arm));
   require(!(m.max_thrust && m.thrust_to_weight), "thrust-to-weight",
-          "thrust-to-weight and max-thrust are both given, expected one of them");
+          "thrust-to-weight and --max-thrust are both given, expected one of them");
   require(
       !((m.max_thrust || m.thrust_to_weight) && m.max_speed && m.hover_speed), "hover-speed",
-      "hover-speed, max-speed and the largest thrust are all given, expected two of them, which "
-      "determine the thrust curve");
-  require(!(m.hover_speed && m.max_speed) || *m.max_speed > *m.hover_speed, "max-speed",
-          "max-speed is not above hover-speed, expected the speed at full command");
+      "hover-speed, --max-speed and --max-thrust or --thrust-to-weight are given, expected two of "
+      "the three, which determine the thrust curve");
+  if (m.hover_speed && m.max_speed)
+    require(*m.max_speed > *m.hover_speed, "max-speed",
+            fmt::format("max-speed is {:.6g} rad/s, expected more than the {:.6g} rad/s of "
+                        "--hover-speed, because it is the speed at full command",
+                        *m.max_speed, *m.hover_speed));
   if (m.thrust_to_weight)
     require(*m.thrust_to_weight > 1 && *m.thrust_to_weight <= 50, "thrust-to-weight",
             fmt::format("thrust-to-weight is {:.6g}, expected more than 1 and at most 50",
@@ -83,7 +85,7 @@ void validate(const MeasuredVehicle& m) {
   try {
     if (m.inertia) require_inertia(m.inertia->asDiagonal(), "inertia");
   } catch (const InvalidInput& error) {
-    throw OptionError("inertia", error.what());
+    throw OptionError("inertia", error.message());
   }
 }
 

@@ -15,13 +15,14 @@ void require_authority(const Vehicle& vehicle, const TrimResult& hover, const st
   const char* axes[] = {"thrust", "roll", "pitch", "yaw"};
   for (Eigen::Index i = 0; i < 4; ++i)
     if (J.row(i).norm() == 0)
-      throw NoSolution(fmt::format("{}: no authority: no rotor changes {}", name, axes[i]), name);
+      throw NoSolution(fmt::format("{}: cannot be controlled: no rotor changes {}", name, axes[i]),
+                       name);
   J.rowwise().normalize();
   const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
   if (singular.size() < 4 || singular(3) < 1e-9)
     throw NoSolution(name +
-                         ": no authority: the rotors cannot change thrust and the three torques "
-                         "independently of one another",
+                         ": cannot be controlled: the rotors cannot change thrust and the three "
+                         "torques independently of one another",
                      name);
 }
 

@@ -11,6 +11,7 @@
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/vehicle_spread.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
@@ -44,7 +45,8 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
   if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
                                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
-                       "the rotors have different lags; expected --lag LOW:HIGH for all of them");
+                       "the rotors have different lags, expected --lag LOW:HIGH, one range for all "
+                       "of them");
   if (u.lag.high > kMaxLag)
     throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
                                          u.lag.high, kMaxLag));
@@ -56,9 +58,9 @@ Vehicle vehicle_of(const CertifyOptions& options, const Manifest& manifest) {
   try {
     return load_vehicle(manifest.vehicle);
   } catch (const std::exception&) {
-    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in; "
-                                              "expected its file by --vehicle FILE",
-                                              manifest.vehicle));
+    throw OptionError("vehicle", fmt::format("vehicle is missing, expected the file of '{}', the "
+                                             "vehicle of the manifest, which is not built in",
+                                             internal::printable(manifest.vehicle)));
   }
 }
 

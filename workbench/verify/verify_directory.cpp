@@ -35,10 +35,9 @@ Vehicle believed_vehicle(const Manifest& manifest, const std::string& name) {
     return load_vehicle(name.empty() ? manifest.vehicle : name);
   } catch (const std::exception& error) {
     if (!name.empty()) throw;
-    throw InvalidInput("verify",
-                       fmt::format("the manifest's vehicle '{}' is not built in; expected "
-                                   "its file by --vehicle FILE",
-                                   internal::printable(manifest.vehicle)));
+    throw OptionError("vehicle", fmt::format("vehicle is missing, expected the file of '{}', the "
+                                             "vehicle of the manifest, which is not built in",
+                                             internal::printable(manifest.vehicle)));
   }
 }
 

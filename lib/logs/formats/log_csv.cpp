@@ -14,6 +14,7 @@
 
 #include "logs/log_checks.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/logs/flight_log.hpp"
@@ -169,10 +170,9 @@ class Reader {
     read_titles();
     while (!rest_.empty()) read_row(next_line());
     if (rows_ && *rows_ != table_.rows())
-      throw InvalidInput(origin_,
-                         fmt::format("has {} rows, expected {} as its header states; is it cut "
-                                     "short?",
-                                     table_.rows(), *rows_));
+      throw InvalidInput(origin_, fmt::format("has {}, expected {} as its header states; is it cut "
+                                              "short?",
+                                              internal::counted(table_.rows(), "row"), *rows_));
     internal::require_log(table_, origin_);
     return std::move(table_);
   }

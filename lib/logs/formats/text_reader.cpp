@@ -17,6 +17,7 @@
 #include "logs/log_clock.hpp"
 #include "logs/log_titles.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::internal {
@@ -351,6 +352,9 @@ class TextReader final : public LogReader {
   void finish() {
     if (finished_) return;
     finished_ = true;
+    if (rows_ == 0 && condition_.skipped == 0 && strays_.count == 0)
+      condition_.notes.push_back(fmt::format(
+          "{}: has a header but no row, so that it holds no measurement", lines_.name()));
     if (rows_ == 0 && condition_.skipped > 0)
       throw InvalidInput("", condition_.first_skipped + "; no other row can be read either");
     const bool words_alone =
@@ -362,24 +366,29 @@ class TextReader final : public LogReader {
     if (condition_.skipped > rows_)
       throw InvalidInput(
           lines_.name(),
-          fmt::format("{} of {} rows cannot be read; with more than half of them unreadable, this "
+          fmt::format("{} of {} cannot be read; with more than half of them unreadable, this "
                       "is not a table; the first: {}",
-                      condition_.skipped, rows_ + condition_.skipped, condition_.first_skipped));
+                      condition_.skipped, counted(rows_ + condition_.skipped, "row"),
+                      condition_.first_skipped));
     if (condition_.torn.empty() && expected_rows_ &&
         *expected_rows_ != rows_ + strays_.count + condition_.skipped)
-      condition_.torn = fmt::format("{}: has {} rows, expected {} as its header states",
-                                    lines_.name(), rows_, *expected_rows_);
+      condition_.torn = fmt::format("{}: has {}, expected {} as its header states", lines_.name(),
+                                    counted(rows_, "row"), *expected_rows_);
+    const char* const is_or_are = strays_.count == 1 ? "is" : "are";
     if (strays_.count > 0)
-      condition_.notes.push_back(
-          fmt::format("{} of {} rows are at time 0 (clock not set) and are left out; the "
-                      "others are around {:.6g} s; the first at {}",
-                      strays_.count, rows_ + strays_.count, typical_time_s_, strays_.where));
+      condition_.notes.push_back(fmt::format(
+          "{} of {} {} at time 0 (clock not set) and {} left out; the others are around "
+          "{:.6g} s; the first at {}",
+          strays_.count, counted(rows_ + strays_.count, "row"), is_or_are, is_or_are,
+          typical_time_s_, strays_.where));
     for (std::size_t i = 0; i < bad_.size(); ++i)
       if (bad_[i].count > 0)
         condition_.notes.push_back(fmt::format(
-            "{} of {} fields of '{}' are not numbers in the range of a double and count "
-            "as missing, the first at {}",
-            bad_[i].count, rows_, printable(layout_.channels[i].name), bad_[i].where));
+            "'{}': {} of {} {} no number in the range of a double and {} as missing, the first at "
+            "{}",
+            printable(layout_.channels[i].name), bad_[i].count, counted(rows_, "row"),
+            bad_[i].count == 1 ? "has" : "have", bad_[i].count == 1 ? "counts" : "count",
+            bad_[i].where));
   }
 
   struct BadFields {

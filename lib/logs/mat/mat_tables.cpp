@@ -10,6 +10,7 @@
 
 #include "logs/clock_unit.hpp"
 #include "logs/log_titles.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::internal {
@@ -318,10 +319,12 @@ class Finder {
     without(table.time);
     if (table.time.size() == time.size()) return;
     for (std::vector<double>& column : table.columns) without(column);
+    const std::size_t left_out = time.size() - table.time.size();
     notes_.push_back(fmt::format(
-        "{} of {} rows of '{}' are at time 0 (clock not set) and are left out; the others "
-        "are around {:.6g} s",
-        time.size() - table.time.size(), time.size(), printable(table.group.name), sample.time));
+        "{0} of {1} of '{2}' {4} at time 0 (clock not set) and {4} left out; the others are around "
+        "{3:.6g} s",
+        left_out, counted(time.size(), "row"), printable(table.group.name), sample.time,
+        left_out == 1 ? "is" : "are"));
   }
 
   void finish(MatTable table) {

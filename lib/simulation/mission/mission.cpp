@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rigid_body.hpp"
 #include "simulation/loop/bounds.hpp"
@@ -61,7 +62,8 @@ void check(const Script& script, const std::string& where) {
 
 void check(const Waypoints& way, const std::string& where) {
   if (way.points.size() < 2)
-    refuse(where, fmt::format("there are {} waypoints, expected at least 2", way.points.size()));
+    refuse(where, fmt::format("the mission has {}, expected at least 2",
+                              internal::counted(way.points.size(), "waypoint")));
   require_within(way.look_ahead, internal::kSizes, where, "look-ahead distance", "m");
   require_within(way.transition_radius, internal::kSizes, where, "transition radius", "m");
   require_within(way.yaw, internal::kAngles, where, "yaw", "rad");

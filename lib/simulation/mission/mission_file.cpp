@@ -9,6 +9,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/limit_reader.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -381,7 +382,8 @@ std::vector<Limit> read_limits(const TomlTable& table) {
   std::vector<Limit> limits;
   for (const Metric metric : metrics) {
     const std::string key = limit_key(metric);
-    if (table.has(key)) limits.push_back({metric, table.number(key, internal::kLimits)});
+    if (table.has(key))
+      limits.push_back({metric, internal::read_limit(table, metric, internal::kLimits)});
   }
   return limits;
 }

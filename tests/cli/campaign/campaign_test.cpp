@@ -183,10 +183,10 @@ TEST_F(Campaign, RunNamesItsFolderItself) {
   EXPECT_THAT(result.err, HasSubstr("note: plan, flights and tables are written to " + expected));
   EXPECT_TRUE(fs::exists(fs::path(path(expected)) / "flights.csv"));
   // Nothing is written if the campaign file does not exist.
-  EXPECT_THAT(run_program({"campaign", "run", path("none.toml")}).err,
-              ::testing::StartsWith(path("none.toml") +
-                                    ": No such file or directory, expected for FILE: a campaign "
-                                    "file"));
+  EXPECT_THAT(
+      run_program({"campaign", "run", path("none.toml")}).err,
+      ::testing::StartsWith(path("none.toml") + ": No such file or directory, expected a campaign "
+                                                "file"));
 }
 
 TEST_F(Campaign, StatusTellsWhatIsThere) {

@@ -65,7 +65,7 @@ TEST(InlineMatrices, SayWhichRowIsWrong) {
   const auto wrong = [](const std::string& A, const std::string& message) {
     refuses({"lqr", "--A", A, "--B", "0; 1", "--Q", "1 0; 0 1", "--R", "1"}, 3, message);
   };
-  wrong("0 1; 0", "'0 1; 0':2: row has 1 numbers, expected 2");
+  wrong("0 1; 0", "'0 1; 0':2: row has 1 number, expected 2");
   wrong("0 1; 0 x", "'0 1; 0 x':2: ");
   wrong("[0 one; 0 0]", "'[0 one; 0 0]':1: ");
 }
@@ -153,7 +153,7 @@ TEST(MissingFiles, SayWhatWasLookedForAndWhatIsThere) {
   const TemporaryDirectory folder;
   folder.write("hover.csv", "t,x\n0,1\n");
   const std::string missing = (folder.path() / "hovr.csv").string();
-  refuses({"log", missing}, 5, missing + ": No such file or directory, expected for FILE: a log");
+  refuses({"log", missing}, 5, missing + ": No such file or directory, expected a log");
   refuses({"log", missing}, 5, "hover.csv");
   refuses({"lqr", (folder.path() / "none" / "v.toml").string()}, 5, "there is no folder");
 }

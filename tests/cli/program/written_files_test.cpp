@@ -165,7 +165,7 @@ class WrittenFiles : public ::testing::Test {
       EXPECT_THAT(result.err, HasSubstr(std::filesystem::path(file.path).filename().string()))
           << told;
       EXPECT_THAT(result.err,
-                  ::testing::AnyOf(HasSubstr("it is read by: quadtune "), HasSubstr("PID cascade"),
+                  ::testing::AnyOf(HasSubstr("which is for quadtune "), HasSubstr("PID cascade"),
                                    HasSubstr("[lqr]"), HasSubstr("state feedback")))
           << told;
     }
@@ -322,18 +322,18 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
   const std::string schedule = path("schedule.toml");
   made({"lqr", "mambo", "--schedule", "speed=0:1:1", "--quiet", "-o", schedule});
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
-      {{"verify", own}, "this is a vehicle file; it is read by: quadtune vehicle, design"},
-      {{"fly", path("tuned-pid.toml")}, "this is a design file; it is read by: quadtune design"},
+      {{"verify", own}, "this is a vehicle file, which is for quadtune vehicle, design"},
+      {{"fly", path("tuned-pid.toml")}, "this is a design file, which is for quadtune design"},
       {{"fly", "mambo", "--mission", own}, "this is a vehicle file"},
       {{"fly", "mambo", "--gains", model},
-       "this is a filter model; it is read by: quadtune tune "
+       "this is a filter model, which is for quadtune tune "
        "kalman --model"},
       {{"margins", "mambo", "--gains", schedule},
-       "this is a gain schedule; it is read by: quadtune fly --gains"},
-      {{"fly", "mambo", "--gains", flown}, "this is a flight log; it is read by: quadtune log"},
+       "this is a gain schedule, which is for quadtune fly --gains"},
+      {{"fly", "mambo", "--gains", flown}, "this is a flight log, which is for quadtune log"},
       {{"verify", text}, "is not a directory; expected that of an export"},
       {{"verify", path("lqr.json")},
-       "this is a file of gains; it is read by: quadtune fly "
+       "this is a file of gains, which is for quadtune fly "
        "--gains"},
       {{"vehicle", "check", path("lqr.json")}, "this is a file of gains"},
       {{"campaign", "run", path("tuned-pid.toml"), path("nowhere")}, "this is a design file"},

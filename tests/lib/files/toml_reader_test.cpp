@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
         TomlRefusal{"NumberForString", [] { (void)body("name = 4").text("name"); },
                     "file.toml:2: name in [body] is 4, expected a string"},
         TomlRefusal{"NumberForTable", [] { (void)parse_toml("body = 4").table("body"); },
-                    "file.toml:1: body is 4, expected a table"},
+                    "file.toml:1: body is 4, expected one table, [body]"},
         TomlRefusal{"Date", [] { (void)body("mass_kg = 1979-05-27").number("mass_kg"); },
                     "file.toml:2: mass_kg in [body] is a date or time, expected a number"},
         TomlRefusal{"NotANumber", [] { (void)body("mass_kg = nan").number("mass_kg"); },
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         TomlRefusal{"WordInList", [] { (void)body("x = [1,\n2, 'a']").vector3("x"); },
                     "file.toml:3: entry 3 of x in [body] is the string 'a', expected a number"},
         TomlRefusal{"RaggedMatrix", [] { (void)body("x = [[1, 2],\n[3]]").matrix("x"); },
-                    "file.toml:3: row 2 of x in [body] has 1 numbers, expected 2 as in row 1"},
+                    "file.toml:3: row 2 of x in [body] has 1 number, expected 2 as in row 1"},
         TomlRefusal{"Fraction", [] { (void)body("n = 2.5").integer("n", 1, 9); },
                     "file.toml:2: n in [body] is 2.5, expected a whole number from 1 to 9"},
         TomlRefusal{
@@ -104,11 +104,28 @@ INSTANTIATE_TEST_SUITE_P(
             "or '-' because it is used in file names"},
         TomlRefusal{"DuplicateKey", [] { parse_toml("a = 1\nb = 2\na = 3"); },
                     "file.toml:3: key 'a' is defined twice, expected once"},
-        TomlRefusal{"DuplicateTable", [] { parse_toml("[a]\n[a]"); },
-                    "file.toml:2: key 'a' is defined twice, expected once"},
         TomlRefusal{
-            "DecimalComma", [] { parse_toml("a = 0,5"); },
-            "file.toml:1: not TOML: key-value pair: expected a comment or whitespace, saw ','"},
+            "DuplicateTable", [] { parse_toml("[a]\n[a]"); },
+            "file.toml:2: table [a] is defined twice, expected once, or [[a]] above each entry if "
+            "it is a list of tables"},
+        TomlRefusal{
+            "ListAndTable", [] { parse_toml("[[a]]\n[a]"); },
+            "file.toml:2: table [a] is defined twice, expected once, or [[a]] above each entry if "
+            "it is a list of tables"},
+        TomlRefusal{"ListForATable", [] { (void)parse_toml("[[a]]").table("a"); },
+                    "file.toml:1: a is a list of 1 table, expected one table, [a]"},
+        TomlRefusal{"TableForAList", [] { (void)parse_toml("[a]").tables("a"); },
+                    "file.toml:1: a is a table, expected a list of tables, each under [[a]]"},
+        TomlRefusal{
+            "UnitAfterANumber", [] { parse_toml("a = 63 g"); },
+            "file.toml:1: not TOML: 'g' after a value, expected the end of the line, because "
+            "the unit is part of the key"},
+        TomlRefusal{"TextWithoutQuotes", [] { parse_toml("a = mambo"); },
+                    "file.toml:1: not TOML: the value is of no type, expected a number, a text in "
+                    "quotes, true, false, [a list] or {a table}"},
+        TomlRefusal{"DecimalComma", [] { parse_toml("a = 0,5"); },
+                    "file.toml:1: not TOML: ',' after a value, expected a decimal point, or the "
+                    "end of the line"},
         TomlRefusal{"TooLarge", [] { parse_toml(std::string((1 << 20) + 1, '\n')); },
                     "file.toml: is larger than 1 MiB (1048576 bytes), expected at most 1 MiB"},
         TomlRefusal{"Binary", [] { parse_toml(std::string("a = 1\n\0", 7)); },

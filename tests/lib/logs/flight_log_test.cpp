@@ -194,7 +194,7 @@ TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
       {"# rows,-1\nt[s]\n", "f.csv:2: '-1' is not a row count"},
       {"# rows,0\n# rows,0\nt[s]\n", "f.csv:3: the row count is given twice, expected once"},
       {"# rows,2\nt[s]\n1\n",
-       "f.csv: has 1 rows, expected 2 as its header states; is it cut short?"},
+       "f.csv: has 1 row, expected 2 as its header states; is it cut short?"},
       {"t[s]\n1", "f.csv:3: the line does not end, expected a line feed; is the file cut short?"},
       {"", "f.csv: has no line of column names below the comments; is it cut short?"},
   };
@@ -342,7 +342,7 @@ TEST(LogMat, RefusesOtherFilesAndSaysWhy) {
 TEST(Logs, RefuseTablesThatNoFileCouldHold) {
   const LogColumn time = {"t", "s", {0, 1}};
   const std::vector<std::pair<LogTable, std::string>> refusals = {
-      {{{}, {time, {"x", "m", {0}}}, {}}, "log: column 'x' has 1 rows, expected 2 as 't' has"},
+      {{{}, {time, {"x", "m", {0}}}, {}}, "log: column 'x' has 1 row, expected 2 as 't' has"},
       {{{}, {time, time}, {}}, "log: column name 't' appears twice, expected distinct names"},
       {{{}, {{"", "s", {}}}, {}},
        "log: a column has no name; expected one because columns are accessed by name"},

@@ -130,7 +130,7 @@ TEST(MatLog, LeavesOutRowsWhoseTimeWasNeverSet) {
   EXPECT_EQ(log.epoch_s, 1700000000);
   EXPECT_THAT(log.group("").time, ElementsAre(0, 0.5, 1));
   EXPECT_THAT(log.group("").column("z"), ElementsAre(1, 2, 3));
-  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("1 of 4 rows of '' are at time 0")));
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("1 of 4 rows of '' is at time 0")));
 }
 
 TEST(MatLog, RefusesOtherKindsWithTheWayOut) {

@@ -147,7 +147,8 @@ TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
   EXPECT_EQ(log.group("").rows[1][0], 3);
   EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has no time, expected a number");
   EXPECT_THAT(log.condition.notes,
-              ElementsAre(HasSubstr("1 of 2 fields of 'mode'"), HasSubstr("1 of 2 fields of 'x'")));
+              ElementsAre(HasSubstr("'mode': 1 of 2 rows has no number in the range of a double"),
+                          HasSubstr("'x': 1 of 2 rows has no number")));
 }
 
 // Rows of a clock that begins at `first` and goes in `step`, below `names`.
@@ -348,6 +349,9 @@ TEST(TextLog, AHeadAloneIsALogWithoutRows) {
   const WholeLog log = read_bytes("t,x[m]\n");
   EXPECT_THAT(log.group("").names(), ElementsAre("x"));
   EXPECT_TRUE(log.condition.whole());
+  EXPECT_THAT(log.condition.notes,
+              ElementsAre("f.log: has a header but no row, so that it holds no measurement"));
+  EXPECT_THAT(read_bytes("t,x[m]\n1,2\n").condition.notes, ElementsAre());
 }
 
 TEST(TextLog, AcceptsALineThatIsTooLongAsTheEnd) {
@@ -364,7 +368,7 @@ TEST(TextLog, ReadsTheProjectsOwnFlightLogs) {
   EXPECT_THAT(log.group("").time, ElementsAre(0, 0.005));
   EXPECT_TRUE(log.condition.whole());
   const WholeLog short_one = read_bytes(csv.substr(0, csv.rfind("0.005")));
-  EXPECT_THAT(short_one.condition.torn, HasSubstr("has 1 rows, expected 2 as its header states"));
+  EXPECT_THAT(short_one.condition.torn, HasSubstr("has 1 row, expected 2 as its header states"));
 }
 
 TEST(UquadLog, FramesAddUpTheirTimes) {

@@ -147,14 +147,14 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   const std::vector<Implausibility> found = find_implausible_values(vehicle);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(to_string(found[0]),
-            "delay of the gyroscope is 5 s, plausible is 1e-05 to 0.2 s: delay_s may be in ms");
+            "delay of the gyroscope is 5 s, expected 1e-05 to 0.2 s: delay_s may be in ms");
   EXPECT_EQ(found[1].quantity, "delay of the optical flow");
   EXPECT_EQ(found[2].cause, "command_delay_s may be in ms");
 }
 
 TEST(Plausibility, ReportsQuantityRangeAndCause) {
   EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
-            "motor lag is 72 s, plausible is 0.001 to 0.5 s: lag_s may be in ms");
+            "motor lag is 72 s, expected 0.001 to 0.5 s: lag_s may be in ms");
 }
 
 }  // namespace

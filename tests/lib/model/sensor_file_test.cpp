@@ -270,7 +270,8 @@ TEST(SensorFile, RefusesKeysItDoesNotKnow) {
               ThrowsMessage<InvalidInput>(
                   HasSubstr("v.toml:19: key 'lidar' in [sensors] is not known, expected one of "
                             "accelerometer, gyroscope")));
-  expect_refusal("[sensors]\ngps = 5\n", "v.toml:20: gps in [sensors] is 5, expected a table");
+  expect_refusal("[sensors]\ngps = 5\n",
+                 "v.toml:20: gps in [sensors] is 5, expected one table, [sensors.gps]");
 }
 
 TEST(SensorFile, RefusesSensorsThatContradictThemselves) {

@@ -523,7 +523,7 @@ TEST(Fly, RefusesWhatCannotBeFlown) {
     EXPECT_THROW((void)fly(setup), InvalidInput);
   };
   refusal([](FlightSetup& s) { std::get<CascadeController>(s.controller).gains.dt = 0; },
-          "flight: the control period is 0 s, expected 0.0001 to 1 s");
+          "flight: dt is 0 s, expected a control period of 0.0001 to 1 s");
   refusal([](FlightSetup& s) { s.step = -1; }, "flight: the step is -1 s, expected more than 0");
   refusal([](FlightSetup& s) { s.step = 1e-12; }, "flight: the step is 1e-12 s, expected");
   refusal([](FlightSetup& s) { s.step = std::nan(""); }, "flight: the step is nan s");

@@ -381,7 +381,8 @@ INSTANTIATE_TEST_SUITE_P(
             "m.toml:6: key 'hovr' is not known, expected one of name, description, duration_s, "
             "start, carried, landing, settling, limits, event, hover, references, csv, waypoints, "
             "line, circle, lemniscate, keys, motors; did you mean 'hover'?"},
-        Refusal{"NotATable", "hover = 1\n" + kHead, "m.toml:1: hover is 1, expected a table"},
+        Refusal{"NotATable", "hover = 1\n" + kHead,
+                "m.toml:1: hover is 1, expected one table, [hover]"},
         Refusal{"NotAListOfTables", kHead + "[references]\nat_s = 0\n",
                 "m.toml:3: references is a table, expected a list of tables: [[references]]"},
         Refusal{"EmptyReferences", "references = []\n" + kHead,
@@ -750,7 +751,7 @@ TEST(ValidateMission, RefusesWhatAFileWouldNotHold) {
           "waypoints 1 and 2 are the same point, expected points that differ because a segment has "
           "a direction");
   bad.kind = Waypoints{{{0, 0, -1}}, 1, 1, Nose::fixed, 0};
-  refuses(bad, "there are 1 waypoints, expected at least 2");
+  refuses(bad, "the mission has 1 waypoint, expected at least 2");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, 'd'}, {1, 'a'}}};
   refuses(bad, "key 'a' is pressed at 1 s, expected later than the previous key 'd', at 1 s");
   bad.kind = Keys{{0, 0, -1}, 0, {{1, '\n'}}};

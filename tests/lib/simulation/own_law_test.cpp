@@ -168,8 +168,7 @@ TEST(OwnLaw, RefusesWhatCannotBeFlown) {
   EXPECT_THAT([&] { (void)fly(setup); },
               ThrowsMessage<InvalidInput>(HasSubstr("law mine: make() returned null")));
   std::get<OwnController>(setup.controller).dt = 0;
-  EXPECT_THAT([&] { (void)fly(setup); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the control period is 0 s")));
+  EXPECT_THAT([&] { (void)fly(setup); }, ThrowsMessage<InvalidInput>(HasSubstr("dt is 0 s")));
 }
 
 }  // namespace

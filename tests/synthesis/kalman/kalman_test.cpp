@@ -155,12 +155,12 @@ TEST(Kalman, RefusesBadCovariancesAndShapes) {
       [] {
         (void)kalman(altitude_model(), {{}, Eigen::MatrixXd::Identity(3, 3), scalar(1), {}});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("Q is 3x3, expected 2x2 (G has 2 columns)")));
+      ThrowsMessage<InvalidInput>(HasSubstr("Q is 3x3, expected 2x2 (A is 2x2)")));
   EXPECT_THAT(
       [] {
         (void)kalman(altitude_model(), {{}, Eigen::Vector2d(1, -1).asDiagonal(), scalar(1), {}});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("Q has the eigenvalue -1, expected Q >= 0")));
+      ThrowsMessage<InvalidInput>(HasSubstr("Q has eigenvalue -1, expected none below 0")));
 }
 
 // A correlation that exceeds 1 is rejected, however small the noises; one of exactly 1 is accepted.

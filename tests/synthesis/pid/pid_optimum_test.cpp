@@ -110,10 +110,32 @@ TEST(GreatestIntegralGain, ReportsInfeasibleBounds) {
       max_integral_gain({kUnit, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(none.status, PidOptimumStatus::not_found) << none;
   EXPECT_TRUE(std::isnan(none.gains.Ki));
-  EXPECT_THAT(none.culprit, HasSubstr("no stabilizing PI was found with Ms <= 1.4"));
+  EXPECT_THAT(none.culprit,
+              HasSubstr("the search found no PI whose loop is stable with Ms <= 1.4"));
   const PidOptimum endless =
       max_integral_gain({kUnit, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
+}
+
+// A controller that can make the loop K/s has no largest Ki: one with as many zeros as the plant has
+// poles, if all zeros of the plant are stable.
+TEST(GreatestIntegralGain, IsUnboundedWhereTheLoopCanBeAnIntegrator) {
+  const auto status = [](const Eigen::VectorXd& num, const Eigen::VectorXd& den, PidType type,
+                         double Tf = 0, PidBounds bounds = {.Ms_max = 1.4}) {
+    return max_integral_gain({num, den, 0}, type, bounds, Tf).status;
+  };
+  const Eigen::Vector3d lags(1, 2, 1);
+  constexpr auto kUnbounded = PidOptimumStatus::unbounded;
+  EXPECT_EQ(status(kUnit, lags, PidType::PID), kUnbounded);
+  EXPECT_EQ(status(Eigen::Vector2d(1, 3), lags, PidType::PI), kUnbounded);
+  EXPECT_EQ(status(kUnit, Eigen::Vector2d(1, -1), PidType::PI), kUnbounded);
+  // A second lag against a PI, the filter of the derivative, and a zero on the right bound it.
+  EXPECT_EQ(status(kUnit, lags, PidType::PI), PidOptimumStatus::solved);
+  EXPECT_EQ(status(kUnit, lags, PidType::PID, 0.1), PidOptimumStatus::solved);
+  EXPECT_EQ(status(Eigen::Vector2d(-1, 3), lags, PidType::PI), PidOptimumStatus::solved);
+  EXPECT_EQ(
+      status(kUnit, Eigen::Vector2d(1, 1), PidType::PI, 0, {.Ms_max = 1.4, .noise_gain_max = 5}),
+      PidOptimumStatus::solved);
 }
 
 TEST(GreatestIntegralGain, RejectsInvalidBounds) {

@@ -73,6 +73,7 @@
 #include "quadtune/workbench/vehicle/quantity.hpp"            // a quantity with its unit, from text
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"       // whether a vehicle can fly
 #include "quadtune/workbench/verify/certify.hpp"              // proof of stability of an export
+#include "quadtune/workbench/verify/changed_export.hpp"       // whether an export was edited
 #include "quadtune/workbench/verify/uncertain_range.hpp"      // an uncertain range, from text
 #include "quadtune/workbench/verify/verify_design.hpp"        // an export compared with its design
 #include "quadtune/workbench/verify/verify_directory.hpp"     // an export, read back and checked

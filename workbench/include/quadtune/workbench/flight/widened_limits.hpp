@@ -40,7 +40,7 @@ struct WidenedLimit {
 /// @return         the changes, in the order of the mission's limits
 std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& mission);
 
-/// For example "bound of the sensors 0.32 m rms; judged by 0.48 m instead of 0.05 m".
+/// For example "limit 0.05 m widened to 0.48 m, because the sensors alone cause 0.32 m rms".
 [[nodiscard]] std::string describe(const WidenedLimit& widened);
 
 }  // namespace quadtune
