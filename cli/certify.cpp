@@ -85,7 +85,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--integrator METHOD", options.integrator,
                   "of a cascade: euler, backward-euler or tustin (default: the export's)");
   line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle, where the manifest's is not built in");
+                  "the vehicle file, if the vehicle of the manifest is not built in");
   line.add_option("--plant NAME", options.plant,
                   "flown (default) also analyses vehicles of the box with their sensors and "
                   "estimator; ideal does not");

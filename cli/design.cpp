@@ -41,7 +41,7 @@ DesignOutcome designed_and_flown(const Options& options, const Context& context)
         return run_design(options.file, internal::comma_separated(options.to));
       });
   if (options.has_seeds && outcome.design.missions.empty())
-    refuse("design", "--seeds", "--seeds came, but {} has no [[mission]] to fly",
+    refuse("design", "--seeds", "--seeds requires a [[mission]] to fly, but {} has none",
            internal::printable(options.file));
   require_tuned(outcome, options.force, context);
   outcome.flights = fly_missions(outcome, context.seed, !options.directory.empty(), interrupted,
@@ -89,7 +89,7 @@ void run_design(const CommandLine& line, Options& options, Context& context) {
       failure == DesignFailure::unstable_flown_loop || failure == DesignFailure::mission;
   throw AnswerIsNo(fmt::format("design: {}{}", to_string(failure),
                                kept_from_writing && writes && !options.force
-                                   ? ", so nothing is written; --force writes all the same"
+                                   ? ", so nothing is written; --force writes nevertheless"
                                    : ""));
 }
 
@@ -101,17 +101,18 @@ void add_options(CommandLine& line, Options& options) {
                   "for a vehicle: formats to export, such as json,px4; default json,c. The gains "
                   "are designed for the firmware that is named");
   line.add_flag("--force", options.force,
-                "write although a flown loop is unstable or a mission failed, and take tuned "
+                "write although a flown loop is unstable or a mission failed, and use tuned "
                 "covariances whatever their verdict");
-  line.add_count("--seeds N", options.seeds, 1,
-                 fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds));
+  line.add_count(
+      "--seeds N", options.seeds, 1,
+      fmt::format("flights of each mission, all of which must pass; default {}", kDesignSeeds));
 }
 
 }  // namespace
 
 Verb design_verb() {
   return {"design", "FILE [-o DIR]",
-          "the whole way: trim, linearize, synthesize, fly, export, verify, report",
+          "trim, linearize, compute gains, fly missions, export, verify and report",
           "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
           with_options(add_options, run_design)};
 }

@@ -140,11 +140,11 @@ void add_matrix_options(CommandLine& line, MatrixFiles& files) {
 void add_options(CommandLine& line, Options& options) {
   options.common.verb = "lqg";
   line.add_option("V", options.common.plant.vehicle, "built-in vehicle or vehicle file");
-  line.add_option(
-      "--Q FILE|LIST", options.common.Q,
-      "weights of the 12 states, then of the integrals; a single number applies to "
-      "all; default: Bryson's rule, relaxed until the margins are met; with matrices, a "
-      "matrix file");
+  line.add_option("--Q FILE|LIST", options.common.Q,
+                  "weights of the 12 states, then of the integrals; a single number applies to "
+                  "all; default: Bryson's rule, with smaller weights if the margins need them; "
+                  "with matrices, a "
+                  "matrix file");
   line.add_option("--R FILE|LIST", options.common.R,
                   "weights of the wrench, or with matrices of the inputs, likewise");
   line.add_option("--integral LIST", options.common.integral,

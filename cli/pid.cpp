@@ -235,10 +235,12 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
                   "in place of a plant: Kp,Ki,Kd,Tf to discretize at --dt");
   line.add_number("--tau-c S", options.tau_c,
                   "with the rules simc and lambda: time constant of the closed loop [s]");
-  line.add_number("--Ms-max M", options.cascade.Ms_max,
-                  "largest integral gain with max |S| up to this; default 1.4");
-  line.add_number("--Mt-max M", options.Mt_max, "and with max |T| up to this");
-  line.add_number("--noise-gain-max G", options.noise_gain_max, "and with max |C S| up to this");
+  line.add_number(
+      "--Ms-max M", options.cascade.Ms_max,
+      "maximum integral gain with max |S| of at most M; with V: bound of each loop, default 1.4");
+  line.add_number("--Mt-max M", options.Mt_max, "with --Ms-max: also max |T| of at most M");
+  line.add_number("--noise-gain-max G", options.noise_gain_max,
+                  "with --Ms-max: also max |C S| of at most G");
 }
 
 void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {

@@ -38,7 +38,7 @@ def block(verbs):
                                    subsequent_indent='  ', break_long_words=False,
                                    break_on_hyphens=False)
         lines += [''] if options else []
-    return lines + ['The options of every verb are on [the first page](../cli.md#for-every-command).', '']
+    return lines + ['The options of every command are on [the first page](../cli.md#for-every-command).', '']
 
 
 def pages_of(program, folder):

@@ -172,7 +172,8 @@ void write_px4(Writer& w) {
     w.set(name + "PY", rotor.position.y());
     w.set(name + "KM", -spin_sign(rotor.spin) * exports::px4_torque_ratio(rotor));
   }
-  w.note(in_x ? "CA_ROTOR* are the vehicle's places in PX4's order: 1 front right, 2 back left, 3 "
+  w.note(in_x ? "CA_ROTOR* hold the rotors of the vehicle in PX4's order: 1 front right, 2 back "
+                "left, 3 "
                 "front left, 4 back right"
               : "CA_ROTOR* are not written, because boards with such rotors are wired in different "
                 "orders: they must have the vehicle's places and senses");

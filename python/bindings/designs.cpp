@@ -78,7 +78,8 @@ DesignResult design_file(const Path& file, const std::optional<Path>& directory,
     DesignOutcome& outcome = result.outcome;
     outcome = run_design(fs::path(file.text));
     if (seeds && outcome.design.missions.empty())
-      throw OptionError("seeds", "seeds came, but " + file.text + " has no [[mission]] to fly");
+      throw OptionError("seeds",
+                        "seeds requires a [[mission]] to fly, but " + file.text + " has none");
     require_tuned(outcome, force);
     outcome.flights =
         fly_missions(outcome, seed, directory.has_value(), stop, seeds.value_or(kDesignSeeds));

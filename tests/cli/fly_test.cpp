@@ -407,7 +407,7 @@ TEST(Design, RefusesSeedsWithoutAMission) {
                                .string();
   const ProgramResult result = run_program({"design", file, "--seeds", "7"});
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(result.err, HasSubstr("--seeds came, but"));
+  EXPECT_THAT(result.err, HasSubstr("--seeds requires a [[mission]] to fly, but"));
   EXPECT_EQ(result.out, "");
 }
 
