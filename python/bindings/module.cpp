@@ -14,9 +14,13 @@ PYBIND11_MODULE(_quadtune, module) {
   quadtune::python::add_errors(module);
   quadtune::python::add_evidence(module);
   quadtune::python::add_models(module);
+  quadtune::python::add_controllers(module);
   quadtune::python::add_matrices(module);
+  quadtune::python::add_regulators(module);
+  quadtune::python::add_systems(module);
   quadtune::python::add_sampling(module);
   quadtune::python::add_loops(module);
+  quadtune::python::add_measured(module);
   quadtune::python::add_pid(module);
   quadtune::python::add_feedback(module);
   quadtune::python::add_flights(module);
