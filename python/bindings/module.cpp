@@ -23,9 +23,12 @@ PYBIND11_MODULE(_quadtune, module) {
   quadtune::python::add_measured(module);
   quadtune::python::add_pid(module);
   quadtune::python::add_feedback(module);
+  quadtune::python::add_schedules(module);
   quadtune::python::add_flights(module);
   quadtune::python::add_designs(module);
   quadtune::python::add_campaigns(module);
   quadtune::python::add_certify(module);
   quadtune::python::add_tuning(module);
+  quadtune::python::add_missions(module);
+  quadtune::python::add_gain_match(module);
 }

@@ -17,10 +17,13 @@ void add_loops(pybind11::module_& module);        ///< margins, step, Bode and N
 void add_measured(pybind11::module_& module);     ///< margins of frequency responses
 void add_pid(pybind11::module_& module);          ///< pid
 void add_feedback(pybind11::module_& module);     ///< lqr of a vehicle, lqg
+void add_schedules(pybind11::module_& module);    ///< schedule, load_schedule
 void add_flights(pybind11::module_& module);      ///< fly
 void add_designs(pybind11::module_& module);      ///< design, export, verify
 void add_campaigns(pybind11::module_& module);    ///< campaign
 void add_certify(pybind11::module_& module);      ///< certify
 void add_tuning(pybind11::module_& module);       ///< tune_kalman
+void add_missions(pybind11::module_& module);     ///< tune_pid, tune_lqr
+void add_gain_match(pybind11::module_& module);   ///< tune_lqr of a given gain
 
 }  // namespace quadtune::python
