@@ -115,16 +115,20 @@ This package has the manual of the commands, the theory with its sources, the
 formats of files, and examples of programs that use the libraries.
 ")
 
-# postinst and prerm compile the module and remove what was compiled.
+# The module is compiled for one minor version of Python. postinst and prerm compile the module's
+# Python files and remove what was compiled.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_COMPONENT_PYTHON_DEPENDS library)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+get_property(python_versions GLOBAL PROPERTY QUADTUNE_PYTHON_VERSIONS)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_versions}, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "quadtune-doc, python3-matplotlib")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
     ${PROJECT_SOURCE_DIR}/cmake/package/python/postinst
     ${PROJECT_SOURCE_DIR}/cmake/package/python/prerm)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "control gains for small multirotors: Python 3 module
 ${about}
-This package has the module for Python 3.
+This package has the module for Python 3: the commands of the program as
+functions, with NumPy arrays and type stubs.
 ")
 
 include(CPack)

@@ -30,6 +30,8 @@ BoolArray = npt.NDArray[np.bool_]
 Path = Union[str, os.PathLike[str]]
 VehicleLike = Union[str, os.PathLike[str], "Vehicle"]
 Numbers = Union[float, Sequence[float], Array]
+ComplexNumbers = Union[complex, Sequence[complex], Array, ComplexArray]
+Grid = Union[str, Mapping[str, Union[float, Sequence[float], Array]]]
 Names = Union[str, Sequence[str]]
 ByLoop = Union[float, str, Mapping[str, float]]
 
@@ -107,6 +109,7 @@ def class_stub(name, type_):
         if isinstance(member, property):
             text += property_stub(member_name, member)
         elif member_name in ("__getitem__", "__contains__", "__len__") or (
+                member_name == "__init__" and member.__doc__.startswith("__init__(")) or (
                 inspect.isroutine(member) and not member_name.startswith("_")):
             text += function_stub(member_name, member, "    ", method=True)
     return text

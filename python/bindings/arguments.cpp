@@ -2,6 +2,7 @@
 #include "arguments.hpp"
 
 #include <fmt/format.h>
+#include <pybind11/complex.h>
 
 #include <cmath>
 #include <filesystem>
@@ -64,6 +65,34 @@ bool read(py::handle from, Numbers& to) {
   py::detail::make_caster<Eigen::VectorXd> caster;
   if (!caster.load(from, true)) return false;
   to.values = py::detail::cast_op<Eigen::VectorXd&>(caster);
+  return true;
+}
+
+bool read(py::handle from, ComplexNumbers& to) {
+  if (py::isinstance<py::str>(from)) return false;
+  py::detail::make_caster<std::complex<double>> number;
+  if (PySequence_Check(from.ptr()) == 0 && number.load(from, true)) {
+    to.values = Eigen::VectorXcd::Constant(1, py::detail::cast_op<std::complex<double>>(number));
+    return true;
+  }
+  py::detail::make_caster<Eigen::VectorXcd> caster;
+  if (!caster.load(from, true)) return false;
+  to.values = py::detail::cast_op<Eigen::VectorXcd&>(caster);
+  return true;
+}
+
+bool read(py::handle from, Grid& to) {
+  if (py::isinstance<py::str>(from)) {
+    to.text = from.cast<std::string>();
+    return true;
+  }
+  if (!py::isinstance<py::dict>(from)) return false;
+  to.axes.clear();
+  for (const auto& [quantity, given] : from.cast<py::dict>()) {
+    Numbers numbers;
+    if (!py::isinstance<py::str>(quantity) || !read(given, numbers)) return false;
+    to.axes.emplace_back(quantity.cast<std::string>(), numbers.values);
+  }
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace quadtune::python {
@@ -28,6 +29,17 @@ struct Numbers {
   Eigen::VectorXd values;
 };
 
+/// Poles or a frequency response: one number, or a sequence of numbers, real or complex.
+struct ComplexNumbers {
+  Eigen::VectorXcd values;
+};
+
+/// The grid of a gain schedule: "speed=0:0.5:10, mass=1", or a mapping from quantities to numbers.
+struct Grid {
+  std::string text;  ///< empty if it was a mapping
+  std::vector<std::pair<std::string, Eigen::VectorXd>> axes;
+};
+
 /// Names: "px,py", or a sequence of str.
 struct Names {
   std::vector<std::string> list;
@@ -43,6 +55,8 @@ struct ByLoop {
 bool read(pybind11::handle from, Path& to);
 bool read(pybind11::handle from, VehicleWord& to);
 bool read(pybind11::handle from, Numbers& to);
+bool read(pybind11::handle from, ComplexNumbers& to);
+bool read(pybind11::handle from, Grid& to);
 bool read(pybind11::handle from, Names& to);
 bool read(pybind11::handle from, ByLoop& to);
 
@@ -67,6 +81,8 @@ namespace pybind11::detail {
 QUADTUNE_CASTER(Path, "Path");
 QUADTUNE_CASTER(VehicleWord, "VehicleLike");
 QUADTUNE_CASTER(Numbers, "Numbers");
+QUADTUNE_CASTER(ComplexNumbers, "ComplexNumbers");
+QUADTUNE_CASTER(Grid, "Grid");
 QUADTUNE_CASTER(Names, "Names");
 QUADTUNE_CASTER(ByLoop, "ByLoop");
 #undef QUADTUNE_CASTER

@@ -176,15 +176,21 @@ void add_campaigns(py::module_& module) {
       "threads"_a = 0,
       "Plan, fly and merge a campaign on this machine.\n\n"
       "file: a campaign file (docs/formats.md). folder: a new one, or one where this was\n"
-      "stopped, which continues there; default: the file's name with -campaign, in the\n"
-      "current folder. threads: 0 for one a processor. Ctrl-C ends it; what was flown stays.");
+      "stopped, which continues there; default: the file's name with -campaign, in the current\n"
+      "folder. shards: parts into which the flights are divided; 0 chooses. threads: 0 for one\n"
+      "of each processor. Ctrl-C ends it; what was flown stays. Raises InvalidInput with\n"
+      "\"file:line\" for a wrong file, NoSolution if a design of it has none, FileError if\n"
+      "files cannot be read or written.");
   module.def(
       "load_campaign",
       [](const Path& folder, std::size_t threads) {
         return long_call([&](const Stop& stop) { return merge(folder.text, threads, stop); });
       },
       "folder"_a, py::kw_only(), "threads"_a = 0,
-      "Merge the flown shards of a campaign, as `quadtune campaign merge` does.");
+      "Merge the flown shards of a campaign, as `quadtune campaign merge` does.\n\n"
+      "folder: where the campaign was planned. threads: 0 for one of each processor. Raises\n"
+      "InvalidInput if shards are missing or do not belong together, FileError if files cannot\n"
+      "be read or written.");
 }
 
 }  // namespace quadtune::python

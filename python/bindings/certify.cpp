@@ -101,9 +101,14 @@ void add_certify(py::module_& module) {
       "seed"_a = 1, "threads"_a = 0,
       "Prove the loops of an export stable for every vehicle of a box, or find one that is\n"
       "not.\n\n"
-      "mass, inertia, thrust: (low, high) ratios to the vehicle's file. delay of the loop\n"
-      "and lag of the motors: (low, high) [s]; default: up to one period, and the vehicle's.\n"
-      "budget: boxes that a proof may inspect.");
+      "directory: of an export. vehicle: where the manifest's is not built in. controller:\n"
+      "\"state-feedback\" or \"cascaded-pid\", where both were exported. mass, inertia,\n"
+      "thrust: (low, high) > 0, ratios to the vehicle's file. delay >= 0 of the loop and lag\n"
+      ">= 0 of the motors: (low, high) [s]; default: up to one period, and that of the\n"
+      "vehicle. integrator of a cascade: \"euler\", \"backward-euler\" or \"tustin\". plant:\n"
+      "\"flown\" or \"ideal\". budget: boxes that a proof may inspect. threads: 0 for one of\n"
+      "each processor. Raises InvalidInput for a wrong argument or export, FileError if files\n"
+      "cannot be read.");
 }
 
 }  // namespace quadtune::python

@@ -126,7 +126,7 @@ void add_design(py::module_& module) {
           [](const DesignResult& result) -> const Eigen::VectorXcd& {
             return result.outcome.poles;
           },
-          py::return_value_policy::reference_internal, "Of the loop as it is sampled.")
+          py::return_value_policy::reference_internal, "(n) of the loop as it is sampled.")
       .def_property_readonly(
           "margins",
           [](const DesignResult& result) -> const std::optional<MarginsReport>& {
@@ -157,7 +157,7 @@ void add_design(py::module_& module) {
               files.insert(files.end(), one.files.begin(), one.files.end());
             return files;
           },
-          "What was written.")
+          "ExportedFile of everything that was written.")
       .def_property_readonly(
           "warnings", [](const DesignResult& result) { return design_warnings(result.outcome); },
           "Warnings to consider before flying.")
@@ -174,9 +174,13 @@ void add_design(py::module_& module) {
       });
   module.def("design", &design_file, "file"_a, py::kw_only(), "directory"_a = py::none(),
              "force"_a = false, "seeds"_a = py::none(), "seed"_a = 1,
-             "The whole way of a design file: trim, linearize, synthesize, fly, export, verify.\n\n"
+             "The whole way of a design file: trim, linearize, synthesize, fly, export,\n"
+             "verify.\n\n"
              "directory: where exports and pages are written if the design passes; with force\n"
-             "whatever the outcome. seeds: flights of each mission, 5.");
+             "whatever the outcome. seeds >= 1: flights of each mission, by default 5; seed:\n"
+             "of the first. A design that fails is a result with passed == False and its\n"
+             "failure. Raises InvalidInput with \"file:line\" for a wrong file, NoSolution if\n"
+             "a problem of it has none, FileError if files cannot be read or written.");
 }
 
 // --- export ---
@@ -330,10 +334,15 @@ void add_export(py::module_& module) {
       "constants"_a = false, "firmware"_a = "", "setup"_a = "", "filter_noise"_a = false,
       "force"_a = false,
       "Write gains, or what a design gives, for another program.\n\n"
-      "source: an export, a gain file, a design file (.toml) or, with to=\"c\", a gain schedule.\n"
-      "to: \"uquad\", \"mambo\", \"json\", \"mat\", \"c\", \"px4\", \"ardupilot\", \"betaflight\" "
-      "or\n"
-      "\"crazyflie\". The other arguments are the options of `quadtune export` (docs/cli.md).");
+      "source: an export, a gain file, a design file (.toml) or, with to=\"c\", a gain\n"
+      "schedule. to: \"uquad\", \"mambo\", \"json\", \"mat\", \"c\", \"px4\", \"ardupilot\",\n"
+      "\"betaflight\" or \"crazyflie\". directory: where the files are written. vehicle: where\n"
+      "the source does not name one. With to=\"c\": name of the functions, precision\n"
+      "\"single\" or \"double\", law and adapter. With to=\"uquad\": imu_calibration, a file,\n"
+      "and constants. With an autopilot: firmware, its version, setup and filter_noise. force:\n"
+      "also a design that does not pass. docs/cli.md explains them, as options of `quadtune\n"
+      "export`. Raises InvalidInput for a wrong argument or source, and for gains that do not\n"
+      "hold the vehicle; NoSolution if a design has none; FileError.");
 }
 
 // --- verify ---
@@ -347,7 +356,7 @@ void add_verify(py::module_& module) {
   type.def_property_readonly("ok", &VerifyReport::ok, "Whether every check is.")
       .def_readonly("checks", &VerifyReport::checks, "VerifyCheck of each question.")
       .def_readonly("gains", &VerifyReport::gains, "As read from the files, or None.")
-      .def_readonly("poles", &VerifyReport::poles, "Of the closed loop of these gains.");
+      .def_readonly("poles", &VerifyReport::poles, "(n) of the closed loop of these gains.");
   add_report(
       type, "quadtune verify DIR", [](const VerifyReport& self) { return report::to_json(self); },
       [](const VerifyReport& self) {
@@ -365,8 +374,10 @@ void add_verify(py::module_& module) {
       "directory"_a, py::kw_only(), "vehicle"_a = py::none(), "design"_a = py::none(),
       "arm"_a = false,
       "Read an export back as the flight program would, and check everything in it.\n\n"
-      "vehicle: where the manifest's is not built in. design: the design file that it was made\n"
-      "from, to solve it again and compare. arm: compile flight code for ARM as well.");
+      "directory: of the export. vehicle: where the manifest's is not built in. design: the\n"
+      "design file that it was made from, to solve it again and compare. arm: compile flight\n"
+      "code for ARM as well. A wrong export is a result with ok == False. Raises InvalidInput\n"
+      "for a manifest that cannot be understood, FileError if files cannot be read.");
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ void add_riccati(py::module_& module) {
       .def_property_readonly("solved", &RiccatiResult::solved, "Whether status is \"solved\".")
       .def_readonly("X", &RiccatiResult::X, "The solution (nx, nx); NaN unless solved.")
       .def_readonly("K", &RiccatiResult::K, "The gain of u = -K x (nu, nx); NaN unless solved.")
-      .def_readonly("poles", &RiccatiResult::poles, "Eigenvalues of A - B K.")
+      .def_readonly("poles", &RiccatiResult::poles,
+                    "(nx) eigenvalues of A - B K; empty unless solved.")
       .def_readonly("residual", &RiccatiResult::residual, "Relative residual of the equation.")
       .def_readonly("rcond", &RiccatiResult::rcond, "Reciprocal condition number of the equation.")
       .def_readonly("iterations", &RiccatiResult::iterations, "Doubling steps.")
@@ -56,23 +57,27 @@ void add_margins(py::module_& module) {
       .def_readonly("phase", &DiskMargin::phase, "Phase of the disk, either way [rad].");
   py::class_<LoopMargins>(module, "LoopMargins", "Margins of one loop.")
       .def_readonly("stable", &LoopMargins::stable, "Whether the closed loop is stable.")
-      .def_readonly("gain_crossovers", &LoopMargins::gain_crossovers, "By frequency.")
-      .def_readonly("phase_crossovers", &LoopMargins::phase_crossovers, "By frequency.")
+      .def_readonly("gain_crossovers", &LoopMargins::gain_crossovers, "Of the loop, by frequency.")
+      .def_readonly("phase_crossovers", &LoopMargins::phase_crossovers,
+                    "Of the loop, by frequency.")
       .def_readonly("gain_margin", &LoopMargins::gain_margin,
                     "Smallest factor > 1 that brings L to -1; may be infinite.")
       .def_readonly("gain_reduction", &LoopMargins::gain_reduction,
                     "Largest factor < 1 that brings L to -1; 0 for none.")
-      .def_readonly("phase_margin", &LoopMargins::phase_margin, "[rad]; may be infinite.")
+      .def_readonly("phase_margin", &LoopMargins::phase_margin,
+                    "Smallest phase lag that makes the loop unstable [rad]; may be infinite.")
       .def_readonly("crossover", &LoopMargins::crossover, "Frequency of the phase margin [rad/s].")
-      .def_readonly("delay_margin", &LoopMargins::delay_margin, "[s]; may be infinite.")
+      .def_readonly("delay_margin", &LoopMargins::delay_margin,
+                    "Smallest delay that makes the loop unstable [s]; may be infinite.")
       .def_readonly("Ms", &LoopMargins::Ms, "Sensitivity peak max |1/(1 + L)|.")
       .def_readonly("w_Ms", &LoopMargins::w_Ms, "Its frequency [rad/s].")
       .def_readonly("Mt", &LoopMargins::Mt, "Peak max |L/(1 + L)|.")
       .def_readonly("w_Mt", &LoopMargins::w_Mt, "Its frequency [rad/s].")
-      .def_readonly("disk", &LoopMargins::disk, "Disk margin.");
+      .def_readonly("disk", &LoopMargins::disk, "Disk margin of the loop.");
   py::class_<SimultaneousDiskMargin>(module, "SimultaneousDiskMargin",
                                      "The disk in which the factors of all loops may be at once.")
-      .def_readonly("guaranteed", &SimultaneousDiskMargin::guaranteed, "A disk that is safe.")
+      .def_readonly("guaranteed", &SimultaneousDiskMargin::guaranteed,
+                    "The largest disk for which stability is proved.")
       .def_readonly("alpha_destabilizing", &SimultaneousDiskMargin::alpha_destabilizing,
                     "Size of a disk with factors that destabilize.");
   py::class_<MarginsReport>(module, "MarginsReport", "Margins of the channels of a loop.")
@@ -118,8 +123,8 @@ void add_gains(py::module_& module) {
   py::class_<Gains>(module, "Gains",
                     "u = u0 + K (x_sp - x) + K_int integral(x_sp - x), with what is needed to "
                     "apply it.")
-      .def_readonly("K", &Gains::K, "(nu, nx)")
-      .def_readonly("K_int", &Gains::K_int, "(nu, ni)")
+      .def_readonly("K", &Gains::K, "(nu, nx) of the states.")
+      .def_readonly("K_int", &Gains::K_int, "(nu, ni) of the integrals.")
       .def_property_readonly(
           "states", [](const Gains& gains) { return names_of(gains.states); }, "Names of states.")
       .def_property_readonly(
@@ -149,7 +154,7 @@ void add_gains(py::module_& module) {
   py::class_<ManifestFile>(module, "ExportedFile", "One file of an export.")
       .def_readonly("path", &ManifestFile::path, "Name within the export.")
       .def_readonly("sha256", &ManifestFile::sha256, "Hash of its bytes.")
-      .def_readonly("size", &ManifestFile::size, "[byte]")
+      .def_readonly("size", &ManifestFile::size, "Size in bytes.")
       .def("__repr__",
            [](const ManifestFile& file) { return fmt::format("<ExportedFile {}>", file.path); });
 }

@@ -51,18 +51,6 @@ struct FlownArguments {
   double height = FlownLoopOptions().height;
 };
 
-std::vector<std::string> listed(const std::optional<Names>& names) {
-  if (!names) return {};
-  const bool none = names->list.size() == 1 && names->list.front() == "none";
-  return none ? std::vector<std::string>() : names->list;
-}
-
-std::vector<std::string> with_integrals(std::vector<std::string> states,
-                                        const std::vector<std::string>& integrals) {
-  for (const std::string& name : integrals) states.push_back("int_" + name);
-  return states;
-}
-
 std::string words(const std::vector<std::string>& names) { return internal::joined(names, " "); }
 
 LqiDesign lqi_design(const FlownArguments& given) {
@@ -144,31 +132,17 @@ VehicleLqrReport ideal_lqr(const PlantWords& words_of_plant, const FlownArgument
                            const std::string& method, const std::string& evidence) {
   const MarginsEvidence margins =
       evidence.empty() ? MarginsEvidence::full : margins_evidence(evidence);
-  LqrDesign design;
-  design.method = lqr_method(method, "method");
-  design.dt = given.dt.value_or(0);
-  if (design.method != LqrMethod::continuous && !given.dt)
+  // Refused before the model is computed.
+  if (lqr_method(method, "method") != LqrMethod::continuous && !given.dt)
     throw OptionError(
         "dt", fmt::format("dt is missing, expected a sample period with method '{}'", method));
   if (given.dt) require_positive(*given.dt, "dt", "seconds");
   return long_call([&](const Stop&) {
     LinearVehicle plant = make_plant(words_of_plant);
     const ContinuousLti& model = plant.model.plant;
-    design.convention = plant.model.convention;
-    design.input_kind = plant.model.input_kind;
-    design.states = names_or_numbers(model.states, std::ssize(model.states));
-    design.inputs = names_or_numbers(model.inputs, std::ssize(model.inputs));
-    design.integrals = listed(given.integral);
-    const std::vector<std::string> weighted = with_integrals(design.states, design.integrals);
-    const Numbers ones{Eigen::VectorXd::Ones(1)};
-    const Eigen::VectorXd Q =
-        weights(given.Q.value_or(ones), weighted.size(), "Q", "states: " + words(weighted));
-    const auto nx = static_cast<Eigen::Index>(design.states.size());
-    design.Q = Q.head(nx).asDiagonal();
-    design.Q_integral = Q.tail(Q.size() - nx).asDiagonal();
-    design.R = weights(given.R.value_or(ones), design.inputs.size(), "R",
-                       "inputs: " + words(design.inputs))
-                   .asDiagonal();
+    const LqrDesign design =
+        lqr_design({given.Q, given.R, listed(given.integral), method, given.dt}, words_of_plant,
+                   model.states, model.inputs);
     return lqr_report(std::move(plant), design, margins);
   });
 }
@@ -276,11 +250,11 @@ void add_parts(Type& type, Report report, GainsOf gains) {
           py::return_value_policy::reference_internal, "The gains with their names.")
       .def_property_readonly(
           "K", [=](const Result& result) -> const Eigen::MatrixXd& { return gains(result).K; },
-          py::return_value_policy::reference_internal, "(nu, nx)")
+          py::return_value_policy::reference_internal, "(nu, nx) of u = u0 + K (x_sp - x) + ...")
       .def_property_readonly(
           "K_int",
           [=](const Result& result) -> const Eigen::MatrixXd& { return gains(result).K_int; },
-          py::return_value_policy::reference_internal, "(nu, ni)")
+          py::return_value_policy::reference_internal, "(nu, ni) gain of the integrals.")
       .def_property_readonly(
           "flown", [=](const Result& result) -> const FlownLoop& { return report(result).flown; },
           py::return_value_policy::reference_internal, "The loop as it flies about a hover.")
@@ -348,7 +322,7 @@ void add_results(py::module_& module) {
           },
           py::return_value_policy::reference_internal, "(nu, ni); NaN unless solved.")
       .def_readonly("gains", &VehicleLqrReport::gains, "The gains with their names.")
-      .def_readonly("poles", &VehicleLqrReport::poles, "Of the loop as it is sampled.")
+      .def_readonly("poles", &VehicleLqrReport::poles, "(n) of the loop as it is sampled.")
       .def_readonly("margins", &VehicleLqrReport::margins, "At the inputs.")
       .def_readonly("flown", &VehicleLqrReport::flown, "FlownLoop, or None.")
       .def_property_readonly(
@@ -373,9 +347,10 @@ void add_lqg_results(py::module_& module) {
   py::class_<PredictedRms>(module, "PredictedRms",
                            "Standard deviations that the noise of the sensors causes in calm air.")
       .def_readonly("time", &PredictedRms::time, "Since the vehicle was at rest [s].")
-      .def_readonly("state", &PredictedRms::state, "(12) of the true states.")
-      .def_readonly("error", &PredictedRms::error, "(12) of the errors of the estimates.")
-      .def_readonly("command", &PredictedRms::command, "(nu) of the commands.")
+      .def_readonly("state", &PredictedRms::state, "(12) of the true states, in SI units.")
+      .def_readonly("error", &PredictedRms::error,
+                    "(12) of the errors of the estimates, in SI units.")
+      .def_readonly("command", &PredictedRms::command, "(nu) of the commands, in SI units.")
       .def_readonly("turned", &PredictedRms::turned,
                     "(12) the part by which the heading turns; contained in state.");
   py::class_<FlownLqg> type(module, "Lqg", "State feedback together with its filter.");
@@ -432,13 +407,17 @@ void add_feedback(py::module_& module) {
       "method"_a = py::none(), "evidence"_a = py::none(), py::prepend(),
       "State feedback of a vehicle about a trim.\n\n"
       "plant: \"flown\" (default) includes motor lag, delays of sensors and the estimator and\n"
-      "returns FlownLqr, with structure=\"matrix\" MatrixLqr; \"ideal\", which the arguments from\n"
-      "`at` on imply, is the textbook plant and returns IdealLqr. Q: weights of the states, then "
-      "of\n"
-      "the integrals; R: of the inputs; one number stands for all. Default: Bryson's rule, on the\n"
-      "ideal plant 1. integral: states to integrate. dt: sample period [s]. change: weights of "
-      "the\n"
-      "changes of the commands. past: control periods by which the law predicts.");
+      "returns FlownLqr, with structure=\"matrix\" MatrixLqr; \"ideal\", which the arguments\n"
+      "from `at` on imply, is the textbook plant and returns IdealLqr. Q: weights >= 0 of the\n"
+      "states, then of the integrals; R > 0: of the inputs; one number stands for all.\n"
+      "Default: Bryson's rule, on the ideal plant 1. integral: states to integrate. dt > 0:\n"
+      "sample period [s], by default 0.005. change >= 0: weights of the changes of the\n"
+      "commands. past >= 0: control periods by which the law predicts. estimator, sensors as\n"
+      "fly(); height > 0 of the hover [m]. at to states as linearize(); method:\n"
+      "\"continuous\", \"discrete\" (weights per step) or \"sampled\" (exact cost); evidence:\n"
+      "\"none\", \"essential\" or \"full\" margins. An ideal problem without solution is a\n"
+      "result with solved == False. Raises NoSolution if there is no trim or no law on the\n"
+      "flown plant, InvalidInput for a wrong argument, FileError if a file cannot be read.");
   module.def(
       "lqg",
       [](const VehicleWord& vehicle, std::optional<Numbers> Q, std::optional<Numbers> R,
@@ -455,11 +434,11 @@ void add_feedback(py::module_& module) {
       "dt"_a = py::none(), "change"_a = py::none(), "past"_a = py::none(), "estimator"_a = "",
       "sensors"_a = "", "height"_a = height, "time"_a = LqgOptions().time, "recover"_a = false,
       "noise_budget"_a = py::none(),
-      "State feedback and filter of a vehicle together: predicted deviations and margins.\n\n"
-      "Arguments as lqr() on the flown plant. time: of the prediction [s]. recover: raise the "
-      "noise\n"
-      "that the filter assumes where that gives larger margins; noise_budget: largest factor on\n"
-      "the rms of a command.");
+      "State feedback and filter of a vehicle together: predicted deviations and margins.\n"
+      "\n"
+      "Arguments and exceptions as lqr() on the flown plant. time > 0 and at most 1e6: of the\n"
+      "prediction [s]. recover: raise the noise that the filter assumes where that gives larger\n"
+      "margins; noise_budget > 1: largest factor on the rms of a command.");
 }
 
 }  // namespace quadtune::python

@@ -223,9 +223,13 @@ void add_flights(py::module_& module) {
       "Fly a mission in the nonlinear simulation, with a verdict.\n\n"
       "mission: a built-in name or a file. controller: \"cascaded-pid\", \"state-feedback\" or\n"
       "\"firmware\". gains: \"designed\", \"published\", an export, a gain or design file, or\n"
-      "what a result's save() wrote. The other words are those of `quadtune fly`\n"
-      "(docs/cli.md#flights). seeds=N flies N seeds from `seed` on and returns a list.\n"
-      "log=False keeps no record; diagnose=False does not look for the cause of a failure.");
+      "what a result's save() wrote. duration > 0 [s]: default: that of the mission. step > 0:\n"
+      "of the solver [s]. flow_rate > 0: of the optical flow [Hz]. The other words are those\n"
+      "of `quadtune fly` (docs/cli.md#flights). seeds=N >= 1 flies N seeds from `seed` on and\n"
+      "returns a list. log=False keeps no record; diagnose=False does not look for the cause\n"
+      "of a failure. A flight that fails is a result with passed == False. Raises InvalidInput\n"
+      "for unknown words and numbers out of range, NoSolution if the vehicle cannot hover or a\n"
+      "design has no solution, FileError if a file cannot be read.");
 }
 
 }  // namespace quadtune::python

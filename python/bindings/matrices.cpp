@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// LQR and Kalman filters of matrices.
+/// LQR, LQI and Kalman filters of matrices.
 #include <fmt/format.h>
 
 #include "arguments.hpp"
 #include "interrupts.hpp"
+#include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/kalman.hpp"
-#include "quadtune/workbench/design/lqr_report.hpp"
+#include "quadtune/workbench/design/matrix_lqr.hpp"
 #include "report/gains/gains.hpp"
+#include "report/loops/matrix_loops.hpp"
 #include "results.hpp"
 #include "topics.hpp"
 
@@ -19,10 +21,16 @@ namespace py = pybind11;
 using namespace py::literals;
 using Matrix = Eigen::MatrixXd;
 
+/// The noise of a model that is measured every dt seconds.
+struct NoisePerStep {
+  Matrix A, Q, R;
+};
+
 /// A filter with the period that its JSON and its text need.
 struct SteadyFilter {
   KalmanResult result;
   double dt = 0;  ///< [s]; 1 of a discrete model, 0 of a continuous filter
+  std::optional<NoisePerStep> sampled = {};
 };
 
 Matrix or_empty(std::optional<Matrix> matrix) { return std::move(matrix).value_or(Matrix()); }
@@ -42,18 +50,34 @@ void require_one_time(bool discrete, const std::optional<double>& sampled) {
   if (sampled) require_positive(*sampled, "sampled", "seconds");
 }
 
-LqrReport lqr_of_matrices(Matrix A, Matrix B, Matrix Q, Matrix R, std::optional<Matrix> N,
-                          bool discrete, std::optional<double> sampled,
-                          const std::optional<std::string>& evidence) {
+MatrixLqrReport lqr_of_matrices(Matrix A, Matrix B, Matrix Q, Matrix R, std::optional<Matrix> N,
+                                std::optional<Matrix> C, std::optional<Matrix> D, int delay,
+                                bool discrete, std::optional<double> sampled,
+                                std::optional<double> dt,
+                                const std::optional<std::string>& evidence) {
   require_one_time(discrete, sampled);
+  if (dt && !discrete) throw OptionError("dt", "dt came without discrete=True, expected both");
+  if (dt) require_positive(*dt, "dt", "seconds");
+  constexpr int kMaxDelay = 2000;
+  if (delay < 0 || delay > kMaxDelay)
+    throw OptionError("delay",
+                      fmt::format("delay is {} samples, expected 0 to {}", delay, kMaxDelay));
+  if (delay > 0 && !discrete && !sampled)
+    throw OptionError("delay", "delay is in samples, expected discrete or sampled with it");
+  if (D && !C) throw OptionError("D", "D came without C, the outputs that are integrated");
   std::optional<MarginsEvidence> margins;
   if (evidence) margins = margins_evidence(*evidence);
-  const LqrProblem problem{std::move(A),
-                           std::move(B),
-                           {std::move(Q), std::move(R), or_empty(std::move(N))},
-                           discrete,
-                           sampled};
-  return long_call([&](const Stop&) { return lqr_report(problem, margins); });
+  MatrixLqrProblem problem;
+  problem.lqr = {std::move(A),
+                 std::move(B),
+                 {std::move(Q), std::move(R), or_empty(std::move(N))},
+                 discrete,
+                 sampled};
+  problem.C = or_empty(std::move(C));
+  problem.D = or_empty(std::move(D));
+  problem.dt = dt.value_or(problem.dt);
+  problem.delay = delay;
+  return long_call([&](const Stop&) { return matrix_lqr(problem, margins); });
 }
 
 SteadyFilter filter_of_matrices(Matrix A, Matrix C, Matrix Q, Matrix R, std::optional<Matrix> G,
@@ -72,56 +96,117 @@ SteadyFilter filter_of_matrices(Matrix A, Matrix C, Matrix Q, Matrix R, std::opt
     ContinuousLti model;
     model.A = std::move(A);
     model.C = std::move(C);
-    if (sampled) return {kalman_sampled(model, noise, *sampled), *sampled};
-    return {kalman(model, noise), 0};
+    if (!sampled) return {kalman(model, noise), 0};
+    SteadyFilter filter{kalman_sampled(model, noise, *sampled), *sampled};
+    const Matrix density =
+        noise.G.size() ? Matrix(noise.G * noise.Q * noise.G.transpose()) : noise.Q;
+    SampledNoise per_step = sampled_noise(model.A, density, *sampled);
+    filter.sampled = {std::move(per_step.A), std::move(per_step.Q), noise.R / *sampled};
+    return filter;
   });
 }
 
+void add_sampled(py::module_& module) {
+  py::class_<SampledLqr> cost(module, "SampledCost",
+                              "A continuous LQR problem whose input is held, per step.");
+  cost.def_property_readonly(
+          "A", [](const SampledLqr& self) -> const Matrix& { return self.plant.A; },
+          py::return_value_policy::reference_internal, "(nx, nx) of the sampled plant.")
+      .def_property_readonly(
+          "B", [](const SampledLqr& self) -> const Matrix& { return self.plant.B; },
+          py::return_value_policy::reference_internal, "(nx, nu) of the sampled plant.")
+      .def_property_readonly(
+          "Q", [](const SampledLqr& self) -> const Matrix& { return self.weights.Q; },
+          py::return_value_policy::reference_internal, "(nx, nx) weights of the states per step.")
+      .def_property_readonly(
+          "R", [](const SampledLqr& self) -> const Matrix& { return self.weights.R; },
+          py::return_value_policy::reference_internal, "(nu, nu) weights of the inputs per step.")
+      .def_property_readonly(
+          "N", [](const SampledLqr& self) -> const Matrix& { return self.weights.N; },
+          py::return_value_policy::reference_internal, "(nx, nu) cross weights per step.");
+  py::class_<NoisePerStep>(module, "SampledNoise",
+                           "A continuous model with noise that is measured at samples, per step.")
+      .def_readonly("A", &NoisePerStep::A, "(nx, nx) of the sampled model.")
+      .def_readonly("Q", &NoisePerStep::Q, "(nx, nx) covariance of the process noise per step.")
+      .def_readonly("R", &NoisePerStep::R, "(ny, ny) covariance of a measurement.");
+}
+
 void add_lqr(py::module_& module) {
-  py::class_<LqrReport> type(module, "Lqr",
-                             "The LQR gain of u = -K x of matrices, with its evidence.");
-  const auto riccati = [](const LqrReport& report) -> const RiccatiResult& {
-    return report.riccati;
+  py::class_<MatrixLqrReport> type(module, "Lqr",
+                                   "The LQR gain of matrices, with its evidence: u = -K x +\n"
+                                   "K_int integral(r - y) - K_past (u[k-1], u[k-2], ...).");
+  const auto riccati = [](const MatrixLqrReport& self) -> const RiccatiResult& {
+    return self.lqr.riccati;
   };
-  type.def_readonly("riccati", &LqrReport::riccati, "The solution of the Riccati equation.")
+  const auto matrix = [&](const char* name, auto member, const char* doc) {
+    type.def_property_readonly(name, member, py::return_value_policy::reference_internal, doc);
+  };
+  type.def_property_readonly(
+          "riccati", riccati, py::return_value_policy::reference_internal,
+          "The solution of the Riccati equation of all states: those of the plant, then the\n"
+          "integrals, then past inputs.")
       .def_property_readonly(
-          "status", [=](const LqrReport& report) { return to_string(riccati(report).status); },
-          "\"solved\", \"not stabilizable\", ...")
+          "status", [=](const MatrixLqrReport& self) { return to_string(riccati(self).status); },
+          "\"solved\", \"not stabilizable\", \"not detectable\", ...")
       .def_property_readonly(
-          "solved", [=](const LqrReport& report) { return riccati(report).solved(); },
-          "Whether status is \"solved\".")
+          "solved", [=](const MatrixLqrReport& self) { return riccati(self).solved(); },
+          "Whether status is \"solved\".");
+  matrix(
+      "K",
+      [=](const MatrixLqrReport& self) -> const Matrix& {
+        return riccati(self).solved() ? self.K : riccati(self).K;
+      },
+      "(nu, nx); NaN unless solved.");
+  matrix(
+      "K_int", [](const MatrixLqrReport& self) -> const Matrix& { return self.K_int; },
+      "(nu, ny) gain of the integrals of r - y; empty without integrals.");
+  matrix(
+      "K_past", [](const MatrixLqrReport& self) -> const Matrix& { return self.K_past; },
+      "(nu, nu delay) gain of u[k-1], u[k-2], ...; empty without delay.");
+  matrix(
+      "S", [=](const MatrixLqrReport& self) -> const Matrix& { return riccati(self).X; },
+      "Cost matrix of all states: x'Sx is the cost from x; NaN unless solved.");
+  matrix(
+      "poles",
+      [=](const MatrixLqrReport& self) -> const Eigen::VectorXcd& { return riccati(self).poles; },
+      "Of the closed loop of all states.");
+  matrix(
+      "margins",
+      [](const MatrixLqrReport& self) -> const MarginsReport& { return self.lqr.margins; },
+      "At the inputs u1, u2, ...");
+  type.def_property_readonly(
+          "dt", [](const MatrixLqrReport& self) { return self.lqr.dt; },
+          "Sample period [s]; 0 of a continuous loop.")
+      .def_readonly("sampled", &MatrixLqrReport::sampled,
+                    "SampledCost of a problem with sampled, otherwise None.")
       .def_property_readonly(
-          "K", [=](const LqrReport& report) -> const Matrix& { return riccati(report).K; },
-          py::return_value_policy::reference_internal, "(nu, nx); NaN unless solved.")
-      .def_property_readonly(
-          "S", [=](const LqrReport& report) -> const Matrix& { return riccati(report).X; },
-          py::return_value_policy::reference_internal, "Cost matrix: x'Sx is the cost from x.")
-      .def_property_readonly(
-          "poles",
-          [=](const LqrReport& report) -> const Eigen::VectorXcd& { return riccati(report).poles; },
-          py::return_value_policy::reference_internal, "Of the closed loop.")
-      .def_readonly("margins", &LqrReport::margins, "At the inputs u1, u2, ...")
-      .def_readonly("dt", &LqrReport::dt, "[s]; 0 of a continuous loop, 1 of a discrete problem.")
-      .def_readonly("messages", &LqrReport::messages, "\"warning: ...\" and \"note: ...\".");
+          "messages", [](const MatrixLqrReport& self) { return self.lqr.messages; },
+          "\"warning: ...\" and \"note: ...\".");
   add_report(
       type, "quadtune lqr",
-      [](const LqrReport& report) {
-        solved(report.riccati, "lqr");
-        return report::to_json(report);
+      [](const MatrixLqrReport& self) {
+        solved(self.lqr.riccati, "lqr");
+        return report::to_json(self);
       },
-      [](const LqrReport& report) {
-        solved(report.riccati, "lqr");
-        return report::to_text(report);
+      [](const MatrixLqrReport& self) {
+        solved(self.lqr.riccati, "lqr");
+        return report::to_text(self, false);
       });
   module.def(
       "lqr", &lqr_of_matrices, "A"_a, "B"_a, "Q"_a, "R"_a, "N"_a = py::none(), py::kw_only(),
-      "discrete"_a = false, "sampled"_a = py::none(), "evidence"_a = py::none(),
-      "The LQR gain of matrices, or of a vehicle.\n\n"
-      "A (nx, nx), B (nx, nu), Q (nx, nx), R (nu, nu), N (nx, nu) or None. Continuous by\n"
-      "default; discrete=True for a sampled plant with weights per step; sampled=DT for the\n"
-      "continuous problem with the input held for DT seconds. evidence: \"none\",\n"
-      "\"essential\" or \"full\" margins. A problem without solution is a result whose\n"
-      "status is not \"solved\" and whose riccati.culprit names the mode.");
+      "C"_a = py::none(), "D"_a = py::none(), "delay"_a = 0, "discrete"_a = false,
+      "sampled"_a = py::none(), "dt"_a = py::none(), "evidence"_a = py::none(),
+      "The LQR gain of matrices.\n\n"
+      "A (nx, nx), B (nx, nu), Q (nx, nx) symmetric and >= 0, R (nu, nu) symmetric and > 0, N\n"
+      "(nx, nu) or None for zero. Continuous by default; discrete=True for a sampled plant\n"
+      "with weights per step, dt > 0 [s] (1 by default) its period; sampled > 0 [s] for the\n"
+      "continuous problem with the input held for so long. C (ny, nx) and D (ny, nu): outputs\n"
+      "whose integrals are fed back; Q and N then have ny more rows, those of the integrals.\n"
+      "delay: 0 to 2000 samples by which the input acts late, unless continuous. evidence:\n"
+      "\"none\", \"essential\" (each loop) or \"full\" (and all loops at once); None for as\n"
+      "much as takes about a second. A problem without solution is a result whose status is\n"
+      "not \"solved\" and whose riccati.culprit names the mode. Raises InvalidInput for wrong\n"
+      "shapes, entries that are not finite and weights out of range.");
 }
 
 void add_kalman(py::module_& module) {
@@ -160,11 +245,18 @@ void add_kalman(py::module_& module) {
           "warning", [](const SteadyFilter& filter) { return filter.result.warning; },
           "What is doubtful; empty for nothing.")
       .def_readonly("dt", &SteadyFilter::dt,
-                    "[s]; 1 of a discrete model, 0 of a continuous filter.");
+                    "Sample period [s]; 1 of a discrete model, 0 of a continuous filter.")
+      .def_readonly("sampled", &SteadyFilter::sampled,
+                    "SampledNoise of a model with sampled, otherwise None.");
   add_report(
       type, "quadtune kalman",
       [](const SteadyFilter& filter) {
-        return report::to_json(solved(filter.result, "kalman"), filter.dt);
+        internal::Json json = report::to_json(solved(filter.result, "kalman"), filter.dt);
+        if (filter.sampled)
+          json["sampled"] = {{"A", internal::matrix_to_json(filter.sampled->A, "A")},
+                             {"Q", internal::matrix_to_json(filter.sampled->Q, "Q")},
+                             {"R", internal::matrix_to_json(filter.sampled->R, "R")}};
+        return json;
       },
       [](const SteadyFilter& filter) {
         return report::to_text(solved(filter.result, "kalman"), filter.dt);
@@ -173,15 +265,19 @@ void add_kalman(py::module_& module) {
       "kalman", &filter_of_matrices, "A"_a, "C"_a, "Q"_a, "R"_a, py::kw_only(), "G"_a = py::none(),
       "N"_a = py::none(), "discrete"_a = false, "sampled"_a = py::none(),
       "The steady-state Kalman filter of matrices.\n\n"
-      "A (nx, nx), C (ny, nx), Q (nw, nw), R (ny, ny), G (nx, nw) or None for the identity,\n"
-      "N (nw, ny) or None. Continuous by default, with spectral densities;\n"
-      "discrete=True with covariances per step; sampled=DT for the continuous model measured\n"
-      "every DT seconds. Status and culprit are in the result.");
+      "A (nx, nx), C (ny, nx), Q (nw, nw) symmetric and >= 0, R (ny, ny) symmetric and > 0, G\n"
+      "(nx, nw) or None for the identity, N (nw, ny) or None for zero: x' = A x + G w, y = C x\n"
+      "+ v. Continuous by default, Q and R are spectral densities; discrete=True: they are\n"
+      "covariances per step; sampled > 0 [s]: the continuous model is measured every so many\n"
+      "seconds. A problem without solution is a result whose status is not \"solved\" and\n"
+      "whose culprit names the mode. Raises InvalidInput for wrong shapes, entries that are\n"
+      "not finite and covariances out of range.");
 }
 
 }  // namespace
 
 void add_matrices(py::module_& module) {
+  add_sampled(module);
   add_lqr(module);
   add_kalman(module);
 }

@@ -33,10 +33,10 @@ void add_vehicles(py::module_& module) {
   vehicle.def_readonly("name", &Vehicle::name, "Name.")
       .def_readonly("description", &Vehicle::description, "One sentence.")
       .def_readonly("source", &Vehicle::source, "Where the numbers come from.")
-      .def_readonly("mass", &Vehicle::mass, "[kg]")
+      .def_readonly("mass", &Vehicle::mass, "Mass [kg].")
       .def_readonly("inertia", &Vehicle::inertia, "(3, 3) about the centre of mass [kg m2].")
       .def_readonly("rotors", &Vehicle::rotors, "The rotors, numbered from 1 in messages.")
-      .def_readonly("gravity", &Vehicle::gravity, "[m/s2]")
+      .def_readonly("gravity", &Vehicle::gravity, "Acceleration of gravity [m/s2].")
       .def_readonly("air_density", &Vehicle::air_density, "At which the rotor curves hold [kg/m3].")
       .def_property_readonly(
           "file", [](const Vehicle& self) { return self.file.string(); }, "It was read from.")
@@ -50,7 +50,10 @@ void add_vehicles(py::module_& module) {
   module.def("vehicles", &built_in_vehicles, "Names of the built-in vehicles.");
   module.def(
       "vehicle", [](const VehicleWord& vehicle_word) { return load_vehicle(vehicle_word.text); },
-      "vehicle"_a, "Load a built-in vehicle by name, or a vehicle file.");
+      "vehicle"_a,
+      "Load a built-in vehicle by name, or a vehicle file (TOML).\n\n"
+      "Raises InvalidInput with \"file:line\" for an unknown name or a wrong file, FileError\n"
+      "if it cannot be read.");
 }
 
 void add_trim(py::module_& module) {
@@ -81,7 +84,9 @@ void add_trim(py::module_& module) {
       "check_vehicle", [](const VehicleWord& vehicle) { return check_vehicle(vehicle.text); },
       "vehicle"_a,
       "Check that a vehicle can hover and that its rotors command thrust and all torques.\n\n"
-      "Raises NoSolution with the cause if it cannot.");
+      "vehicle: a built-in name, a file or a Vehicle. Raises NoSolution with the cause if it\n"
+      "cannot, InvalidInput with \"file:line\" for a wrong file, FileError if it cannot be\n"
+      "read.");
 }
 
 void add_linearize(py::module_& module) {
@@ -90,10 +95,10 @@ void add_linearize(py::module_& module) {
   model.def_readonly("trim", &Linearization::trim, "The steady flight.")
       .def_property_readonly(
           "A", [](const Linearization& self) -> const Eigen::MatrixXd& { return self.plant.A; },
-          py::return_value_policy::reference_internal, "(nx, nx)")
+          py::return_value_policy::reference_internal, "(nx, nx) dynamics.")
       .def_property_readonly(
           "B", [](const Linearization& self) -> const Eigen::MatrixXd& { return self.plant.B; },
-          py::return_value_policy::reference_internal, "(nx, nu)")
+          py::return_value_policy::reference_internal, "(nx, nu) effect of the inputs.")
       .def_readonly("x0", &Linearization::x0, "(nx) state of the trim.")
       .def_readonly("x0_rate", &Linearization::x0_rate, "(nx) its derivative in the trim.")
       .def_readonly("u0", &Linearization::u0, "(nu) input of the trim.")
@@ -129,10 +134,13 @@ void add_linearize(py::module_& module) {
       "radius"_a = 0.0, "yaw_rate"_a = 0.0, "yaw"_a = 0.0, "convention"_a = "ned",
       "inputs"_a = "rotor-speed", "states"_a = "full",
       "Trim a vehicle and compute its linear model.\n\n"
-      "at: \"hover\", \"line\", \"circle\" or \"spin\"; speed and climb in m/s, radius in m,\n"
-      "yaw_rate in rad/s, yaw in rad. convention: \"ned\", \"uquad\", \"mambo\" or a file.\n"
-      "inputs: \"rotor-speed\", \"rotor-thrust\", \"wrench\" or \"command\". states: \"full\",\n"
-      "\"no-position\" or names. Raises NoSolution if there is no such trim.");
+      "at: \"hover\", \"line\", \"circle\" or \"spin\". speed >= 0 of line and circle [m/s],\n"
+      "climb of line, circle and spin, upward [m/s], radius of the circle, not 0 [m], yaw_rate\n"
+      "of the spin, not 0 [rad/s], yaw: heading from north, clockwise from above [rad]; a\n"
+      "negative radius or yaw_rate turns to the left. convention: \"ned\", \"uquad\",\n"
+      "\"mambo\" or a file. inputs: \"rotor-speed\", \"rotor-thrust\", \"wrench\" or\n"
+      "\"command\". states: \"full\", \"no-position\" or names. Raises NoSolution if there is\n"
+      "no such trim, InvalidInput for a wrong argument, FileError if a file cannot be read.");
 }
 
 }  // namespace

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PID gains, of a transfer function or of a vehicle's cascade.
+/// PID gains, of a transfer function, from the limit of stability, or of a vehicle's cascade.
+#include "quadtune/control/pid.hpp"
+
 #include <fmt/format.h>
 
 #include "arguments.hpp"
+#include "controllers.hpp"
 #include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/synthesis/ultimate_rules.hpp"
 #include "quadtune/workbench/design/pid_report.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
 #include "real.hpp"
 #include "report/loops/loops.hpp"
+#include "report/loops/matrix_loops.hpp"
+#include "report/text/print.hpp"
 #include "results.hpp"
 #include "topics.hpp"
 
@@ -20,11 +26,72 @@ namespace py = pybind11;
 using namespace py::literals;
 using Number = std::optional<double>;
 
-PidReport of_fraction(const Numbers& num, const Numbers& den, Real delay, const std::string& type,
-                      std::optional<Real> crossover, std::optional<Real> phase_margin,
-                      std::optional<Real> Tf, const std::optional<std::string>& rule,
-                      std::optional<Real> tau_c, std::optional<Real> Ms_max,
-                      std::optional<Real> Mt_max, std::optional<Real> noise_gain_max) {
+/// The sample period of a controller that a program runs.
+struct Sampling {
+  double dt = 0;  ///< [s]; 0: none was asked for
+  PidMethod method = PidMethod::tustin;
+};
+
+/// @throws OptionError  for an integrator without period
+Sampling sampling_of(const std::optional<Real>& dt, const std::optional<std::string>& integrator) {
+  if (dt) require_positive(*dt, "dt", "seconds");
+  if (integrator && !dt)
+    throw OptionError("integrator", "integrator came without dt, expected both");
+  return {dt.value_or(0), integrator_method(integrator.value_or("tustin"))};
+}
+
+DiscreteTransferFunction discrete(const PidGains& gains, const Sampling& sampling) {
+  return pid_transfer_function(pid_settings(gains, sampling.dt, sampling.method),
+                               PidChannel::error);
+}
+
+/// Gains for a transfer function.
+struct PidOfPlant {
+  PidReport report;
+  Sampling sampling;
+
+  [[nodiscard]] const PidGains& gains() const { return report.gains; }
+  [[nodiscard]] internal::Json json() const {
+    internal::Json all = report::to_json(report);
+    if (sampling.dt > 0)
+      all["discrete"] = report::discrete_pid_json(gains(), sampling.dt, sampling.method);
+    return all;
+  }
+  [[nodiscard]] std::string text() const { return report::to_text(report); }
+};
+
+/// Gains without a plant.
+struct PidAlone {
+  PidGains numbers;
+  std::string how;
+  Sampling sampling;
+
+  [[nodiscard]] const PidGains& gains() const { return numbers; }
+  [[nodiscard]] internal::Json json() const {
+    internal::Json all = {{"Kp", numbers.Kp},
+                          {"Ki", numbers.Ki},
+                          {"Kd", numbers.Kd},
+                          {"Tf", numbers.Tf},
+                          {"how", how}};
+    if (sampling.dt > 0)
+      all["discrete"] = report::discrete_pid_json(numbers, sampling.dt, sampling.method);
+    return all;
+  }
+  [[nodiscard]] std::string text() const {
+    using report::number;
+    return report::section(
+               "gains", fmt::format("Kp {}  Ki {} 1/s  Kd {} s  Tf {} s", number(numbers.Kp),
+                                    number(numbers.Ki), number(numbers.Kd), number(numbers.Tf))) +
+           report::section("by", how);
+  }
+};
+
+PidOfPlant of_fraction(const Numbers& num, const Numbers& den, Real delay, const std::string& type,
+                       std::optional<Real> crossover, std::optional<Real> phase_margin,
+                       std::optional<Real> Tf, const std::optional<std::string>& rule,
+                       std::optional<Real> tau_c, std::optional<Real> Ms_max,
+                       std::optional<Real> Mt_max, std::optional<Real> noise_gain_max,
+                       std::optional<Real> dt, const std::optional<std::string>& integrator) {
   require_not_negative(delay, "delay");
   require_not_negative(Tf.value_or(0), "Tf");
   const bool bounds = Ms_max || Mt_max || noise_gain_max;
@@ -39,6 +106,7 @@ PidReport of_fraction(const Numbers& num, const Numbers& den, Real delay, const 
                       "crossover and phase_margin belong together, expected both");
   if (rule && Tf)
     throw OptionError("Tf", "Tf came with rule, expected none because a rule has its own filter");
+  const Sampling sampling = sampling_of(dt, integrator);
   PidRequest request;
   request.type = pid_type(type);
   request.Tf = Tf.value_or(0);
@@ -58,7 +126,33 @@ PidReport of_fraction(const Numbers& num, const Numbers& den, Real delay, const 
   PidReport report = long_call([&](const Stop&) { return pid_report(plant, request); });
   if (report.needs_filter)
     throw OptionError("Tf", "the derivative of this plant has no bound, expected a filter with Tf");
-  return report;
+  if (sampling.dt > 0) (void)pid_settings(report.gains, sampling.dt, sampling.method);
+  return {std::move(report), sampling};
+}
+
+/// Gains from the limit of stability.
+PidAlone of_limit(Real Ku, Real Tu, const std::string& rule, const std::string& type,
+                  std::optional<Real> dt, const std::optional<std::string>& integrator) {
+  require_positive(Tu, "Tu", "seconds");
+  const Sampling sampling = sampling_of(dt, integrator);
+  const PidType kind = pid_type(type);
+  try {
+    const PidGains gains = ultimate_rule(rule, kind, Ku, Tu);
+    if (sampling.dt > 0) (void)pid_settings(gains, sampling.dt, sampling.method);
+    return {gains,
+            fmt::format("{} by {} for an ultimate gain of {} and a period of {} s", type, rule,
+                        report::number(Ku), report::number(Tu)),
+            sampling};
+  } catch (const InvalidInput& error) {
+    throw OptionError("rule", "rule: " + error.message());
+  }
+}
+
+PidAlone of_gains(const Numbers& gains, Real dt, const std::optional<std::string>& integrator) {
+  const Sampling sampling = sampling_of(dt, integrator);
+  const PidGains given = pid_gains_of(gains, "gains");
+  (void)pid_settings(given, sampling.dt, sampling.method);
+  return {given, "given", sampling};
 }
 
 VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
@@ -88,34 +182,95 @@ VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
       [&](const Stop&) { return vehicle_cascade(load_vehicle(word.text), options, word.text); });
 }
 
-void add_transfer_function(py::module_& module) {
-  py::class_<PidReport> type(module, "Pid", "PID gains for a transfer function.");
+/// What gains with and without a plant have.
+template <class Result>
+void add_gains(py::class_<Result>& type) {
   const auto gain = [&](const char* name, double PidGains::*member, const char* doc) {
     type.def_property_readonly(
-        name, [member](const PidReport& report) { return report.gains.*member; }, doc);
+        name, [member](const Result& self) { return self.gains().*member; }, doc);
   };
   gain("Kp", &PidGains::Kp, "Proportional gain.");
   gain("Ki", &PidGains::Ki, "Integral gain [1/s].");
   gain("Kd", &PidGains::Kd, "Derivative gain [s].");
-  gain("Tf", &PidGains::Tf, "Time constant of the derivative's filter [s].");
+  gain("Tf", &PidGains::Tf, "Time constant of the filter of the derivative [s]; 0 for none.");
+  const auto coefficients = [&](const char* name, Eigen::VectorXd DiscreteTransferFunction::*member,
+                                const char* doc) {
+    type.def_property_readonly(
+        name,
+        [member](const Result& self) -> std::optional<Eigen::VectorXd> {
+          if (!(self.sampling.dt > 0)) return std::nullopt;
+          return discrete(self.gains(), self.sampling).*member;
+        },
+        doc);
+  };
+  coefficients("num", &DiscreteTransferFunction::num,
+               "Of the discrete controller, descending powers of z; None without dt.");
+  coefficients("den", &DiscreteTransferFunction::den,
+               "Of the discrete controller, descending powers of z; None without dt.");
   type.def_property_readonly(
-          "type", [](const PidReport& report) { return to_string(report.type); },
-          "\"P\", \"PI\", \"PD\" or \"PID\".")
-      .def_readonly("how", &PidReport::how, "How the gains were computed, in words.")
-      .def_readonly("margins", &PidReport::margins, "Of the loop.");
+          "dt", [](const Result& self) { return self.sampling.dt; },
+          "Sample period of the discrete controller [s]; 0 without one.")
+      .def_property_readonly(
+          "controller",
+          [](const Result& self) { return controller_of(self.gains(), self.sampling.method); },
+          "The same as a Controller, for margins().");
   add_report(
-      type, "quadtune pid", [](const PidReport& report) { return report::to_json(report); },
-      [](const PidReport& report) { return report::to_text(report); });
+      type, "quadtune pid", [](const Result& self) { return self.json(); },
+      [](const Result& self) {
+        return self.text() + (self.sampling.dt > 0
+                                  ? report::section("discrete", report::discrete_pid_text(
+                                                                    self.gains(), self.sampling.dt,
+                                                                    self.sampling.method))
+                                  : "");
+      });
+}
+
+void add_transfer_function(py::module_& module) {
+  py::class_<PidOfPlant> type(module, "Pid", "PID gains for a transfer function.");
+  add_gains(type);
+  type.def_property_readonly(
+          "type", [](const PidOfPlant& self) { return to_string(self.report.type); },
+          "\"P\", \"PI\", \"PD\" or \"PID\".")
+      .def_property_readonly(
+          "how", [](const PidOfPlant& self) { return self.report.how; },
+          "How the gains were computed, in words.")
+      .def_property_readonly(
+          "margins",
+          [](const PidOfPlant& self) -> const MarginsReport& { return self.report.margins; },
+          py::return_value_policy::reference_internal, "Of the continuous loop.");
+  py::class_<PidAlone> alone(module, "PidAlone", "PID gains without a plant.");
+  add_gains(alone);
+  alone.def_readonly("how", &PidAlone::how, "How the gains were computed, in words.");
   module.def(
       "pid", &of_fraction, py::kw_only(), "num"_a, "den"_a, "delay"_a = 0.0, "type"_a = "PID",
       "crossover"_a = py::none(), "phase_margin"_a = py::none(), "Tf"_a = py::none(),
       "rule"_a = py::none(), "tau_c"_a = py::none(), "Ms_max"_a = py::none(),
-      "Mt_max"_a = py::none(), "noise_gain_max"_a = py::none(),
+      "Mt_max"_a = py::none(), "noise_gain_max"_a = py::none(), "dt"_a = py::none(),
+      "integrator"_a = py::none(),
       "PID gains for a transfer function, in one of three ways.\n\n"
-      "crossover [rad/s] with phase_margin [deg]; or rule \"amigo\", \"simc\",\n"
-      "\"ziegler-nichols\", \"cohen-coon\" or \"lambda\" with tau_c [s]; or the largest\n"
-      "integral gain within Ms_max, Mt_max and noise_gain_max. type: \"P\", \"PI\", \"PD\" or\n"
-      "\"PID\". Raises NoSolution with the cause.");
+      "num, den: coefficients in descending powers of s; delay >= 0 [s]. crossover > 0 [rad/s]\n"
+      "with phase_margin, more than 0 and less than 180 [deg]; or rule \"amigo\", \"simc\",\n"
+      "\"ziegler-nichols\", \"cohen-coon\" or \"lambda\" with tau_c > 0 [s] of the closed\n"
+      "loop; or the largest integral gain with max |S| up to Ms_max > 1, and Mt_max and\n"
+      "noise_gain_max as wanted. type: \"P\", \"PI\", \"PD\" or \"PID\". Tf >= 0 [s] of the\n"
+      "filter of the derivative, unless a rule has its own. dt > 0 [s]: also discretize the\n"
+      "gains by integrator, \"euler\", \"backward-euler\" or \"tustin\" (default). Raises\n"
+      "NoSolution with the cause, InvalidInput for a wrong argument.");
+  module.def(
+      "pid", &of_limit, py::kw_only(), "Ku"_a, "Tu"_a, "rule"_a = "ziegler-nichols",
+      "type"_a = "PID", "dt"_a = py::none(), "integrator"_a = py::none(),
+      "PID gains from the limit of stability, without a plant.\n\n"
+      "Ku: the gain, not 0, at which a proportional loop oscillates; Tu > 0: the period of\n"
+      "that oscillation [s]. rule: \"ziegler-nichols\", \"pessen\", \"some-overshoot\",\n"
+      "\"no-overshoot\" or \"tyreus-luyben\". type, dt and integrator as for a transfer\n"
+      "function. Raises InvalidInput for a wrong argument, and for a rule that does not have\n"
+      "the type.");
+  module.def(
+      "pid", &of_gains, py::kw_only(), "gains"_a, "dt"_a, "integrator"_a = py::none(),
+      "Discretize given PID gains.\n\n"
+      "gains: Kp, Ki [1/s], Kd [s] and Tf >= 0 [s], the last of which may be omitted. dt > 0\n"
+      "[s] and integrator as for a transfer function. Raises InvalidInput for a wrong\n"
+      "argument, and where the integrator makes the filter unstable.");
 }
 
 void add_cascade(py::module_& module) {
@@ -154,10 +309,15 @@ void add_cascade(py::module_& module) {
       "free"_a = false, py::prepend(),
       "PID gains for a vehicle's cascade.\n\n"
       "method: \"flown\" (all gains at once on the flown plant) or \"loops\". plant: \"flown\"\n"
-      "or \"ideal\". dt: sample period [s]. structure: \"pid\" or \"p-pi\". bandwidth [rad/s]\n"
-      "and sensor_delay [s]: a number or a dict by loop. integral: loops that have one.\n"
-      "integrator: \"euler\", \"backward-euler\" or \"tustin\". free: without the bounds of the\n"
-      "published gains. Raises NoSolution with the loop that cannot be had.");
+      "or \"ideal\", the textbook plant. dt > 0: control period [s], by default that of the\n"
+      "published gains, or 0.005. structure: \"pid\" or \"p-pi\". Ms_max > 1: bound on max\n"
+      "|S|. bandwidth > 0 [rad/s] and sensor_delay >= 0 [s]: a number for all loops, or a dict\n"
+      "by loop. motor_lag >= 0: time constant [s], by default that of the vehicle.\n"
+      "tracking_max > 1: bound on max |value / set point|. integral: loops that have one, by\n"
+      "default all. integrator: \"euler\" (default), \"backward-euler\" or \"tustin\". free:\n"
+      "without the bounds of the published gains. Raises NoSolution with the loop that cannot\n"
+      "be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be\n"
+      "read.");
 }
 
 }  // namespace

@@ -172,15 +172,18 @@ void add_discretize(py::module_& module) {
       "discretize", &of_matrices, "A"_a, "B"_a, "C"_a = py::none(), "D"_a = py::none(),
       py::kw_only(), "dt"_a, "method"_a = "zoh", "prewarp"_a = py::none(),
       "input_delay"_a = py::none(), "output_delay"_a = py::none(), "inverse"_a = false,
-      "Sample a continuous system of matrices, or with inverse=True take a discrete one\n"
-      "back.\n\n"
-      "dt: sample period [s]. method: \"zoh\", \"foh\", \"impulse\", \"euler\",\n"
-      "\"backward-euler\", \"tustin\" or \"matched\". prewarp: frequency at which tustin is\n"
-      "exact [rad/s]. input_delay, output_delay: of each channel, or of all [s].");
+      "Sample a continuous system of matrices, or with inverse=True take a discrete one back.\n\n"
+      "A (nx, nx), B (nx, nu), C (ny, nx) or None for the states, D (ny, nu) or None for zero.\n"
+      "dt > 0: sample period [s]. method: \"zoh\", \"foh\", \"impulse\", \"euler\",\n"
+      "\"backward-euler\", \"tustin\" or \"matched\". prewarp > 0: frequency at which tustin\n"
+      "is exact [rad/s]. input_delay, output_delay >= 0 [s]: of all channels, or of each (nu),\n"
+      "(ny). Raises InvalidInput for wrong shapes, entries that are not finite, numbers out of\n"
+      "range, and a method that cannot be taken back.");
   module.def("discretize", &of_fraction, py::kw_only(), "num"_a, "den"_a, "dt"_a, "delay"_a = 0.0,
              "method"_a = "zoh", "prewarp"_a = py::none(), "inverse"_a = false,
-             "The same of a transfer function: coefficients in descending powers, delay in "
-             "seconds.");
+             "The same of a transfer function.\n\n"
+             "num, den: coefficients in descending powers of s, or with inverse=True of z.\n"
+             "delay >= 0 [s]. The other arguments, and the exceptions, as for matrices.");
 }
 
 void add_comparison(py::module_& module) {
@@ -202,8 +205,10 @@ void add_comparison(py::module_& module) {
             [&](const Stop&) { return compare_sampling_methods(vehicle.text, dt, flown); });
       },
       "vehicle"_a, "dt"_a, py::kw_only(), "plant"_a = "flown",
-      "Compare every sampling method at dt/2, dt and 2 dt on the LQR and PID loops of a\n"
-      "vehicle. plant: \"flown\" or \"ideal\".");
+      "Compare every sampling method on the LQR and PID loops of a vehicle.\n\n"
+      "dt > 0 [s]: the methods are compared at dt/2, dt and 2 dt. plant: \"flown\" or\n"
+      "\"ideal\". Raises InvalidInput for a wrong argument, NoSolution if the vehicle has no\n"
+      "loops to compare, FileError if its file cannot be read.");
 }
 
 }  // namespace

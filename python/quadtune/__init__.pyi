@@ -12,6 +12,8 @@ BoolArray = npt.NDArray[np.bool_]
 Path = Union[str, os.PathLike[str]]
 VehicleLike = Union[str, os.PathLike[str], "Vehicle"]
 Numbers = Union[float, Sequence[float], Array]
+ComplexNumbers = Union[complex, Sequence[complex], Array, ComplexArray]
+Grid = Union[str, Mapping[str, Union[float, Sequence[float], Array]]]
 Names = Union[str, Sequence[str]]
 ByLoop = Union[float, str, Mapping[str, float]]
 
@@ -144,6 +146,45 @@ class CertifiedLaw:
     def found_scale(self) -> float:
         """Scale of the smallest box with an unstable loop; infinite for none."""
 
+class Controller:
+    """A controller from the output y of a plant to -u, for margins().
+
+One of: a transfer function; matrices; a constant gain; a PID controller. In a
+continuous loop it is continuous, in a discrete loop discrete with the sample period of
+the loop."""
+
+    def __init__(self, A: Optional[npt.ArrayLike] = None, B: Optional[npt.ArrayLike] = None, C: Optional[npt.ArrayLike] = None, D: Optional[npt.ArrayLike] = None, *, num: Optional[Numbers] = None, den: Optional[Numbers] = None, pid: Optional[Numbers] = None, integrator: str = 'tustin') -> None:
+        """Define a controller in one of four ways.
+
+        A (nc, nc), B (nc, ny), C (nu, nc) and D (nu, ny) or None for zero, where ny and nu are
+        the numbers of outputs and inputs of the plant. D alone: a constant gain. num, den:
+        coefficients in descending powers of s, or of z in a discrete loop, for ny = nu = 1.
+        pid: the gains Kp, Ki [1/s], Kd [s] and the time constant Tf >= 0 [s] of the filter of
+        the derivative, the last of which may be omitted. integrator: "euler",
+        "backward-euler" or "tustin", by which a discrete loop discretizes pid. Raises
+        InvalidInput unless one of the ways is complete; margins() checks the shapes."""
+    @property
+    def A(self) -> Array:
+        """(nc, nc); empty unless the controller has matrices."""
+    @property
+    def B(self) -> Array:
+        """(nc, ny); empty unless the controller has matrices."""
+    @property
+    def C(self) -> Array:
+        """(nu, nc); empty unless the controller has matrices."""
+    @property
+    def D(self) -> Array:
+        """(nu, ny); empty for zero."""
+    @property
+    def num(self) -> Array:
+        """Numerator; empty unless a transfer function."""
+    @property
+    def den(self) -> Array:
+        """Denominator; empty unless a transfer function."""
+    @property
+    def pid(self) -> Optional[List[float]]:
+        """Kp, Ki [1/s], Kd [s] and Tf [s], or None unless a PID controller."""
+
 class Design:
     """What a design file leads to."""
 
@@ -161,7 +202,7 @@ class Design:
         """The loops of the PID cascade, if there is one."""
     @property
     def poles(self) -> ComplexArray:
-        """Of the loop as it is sampled."""
+        """(n) of the loop as it is sampled."""
     @property
     def margins(self) -> Optional[MarginsReport]:
         """At the inputs of the plant, or None."""
@@ -176,7 +217,7 @@ class Design:
         """The same missions with a gust and with a load."""
     @property
     def files(self) -> List[ExportedFile]:
-        """What was written."""
+        """ExportedFile of everything that was written."""
     @property
     def warnings(self) -> List[str]:
         """Warnings to consider before flying."""
@@ -252,7 +293,7 @@ class ExportedFile:
         """Hash of its bytes."""
     @property
     def size(self) -> int:
-        """[byte]"""
+        """Size in bytes."""
 
 class FileError(OSError):
     """A file could not be read or written. `where` is its path."""
@@ -408,10 +449,10 @@ class FlownLqr:
         """The gains with their names."""
     @property
     def K(self) -> Array:
-        """(nu, nx)"""
+        """(nu, nx) of u = u0 + K (x_sp - x) + ..."""
     @property
     def K_int(self) -> Array:
-        """(nu, ni)"""
+        """(nu, ni) gain of the integrals."""
     @property
     def flown(self) -> FlownLoop:
         """The loop as it flies about a hover."""
@@ -447,15 +488,86 @@ class GainCrossover:
     def delay_margin(self) -> float:
         """Delay margin there [s]."""
 
+class GainMatch:
+    """Diagonal LQR weights whose gain is closest to a given one."""
+
+    @property
+    def status(self) -> str:
+        """"matched" or "not matched"."""
+    @property
+    def matched(self) -> bool:
+        """Whether the weights give the gain within the tolerance."""
+    @property
+    def weights(self) -> List[MatchedWeight]:
+        """MatchedWeight of states, integrals and inputs."""
+    @property
+    def unseen(self) -> List[str]:
+        """Directions of the weights that the gain does not determine."""
+    @property
+    def states(self) -> List[str]:
+        """Names of the states."""
+    @property
+    def integrals(self) -> List[str]:
+        """Names of the integrated states."""
+    @property
+    def inputs(self) -> List[str]:
+        """Names of the inputs."""
+    @property
+    def Q(self) -> Array:
+        """(nx, nx) weights of the states."""
+    @property
+    def Q_integral(self) -> Array:
+        """(ni, ni) weights of the integrals."""
+    @property
+    def R(self) -> Array:
+        """(nu, nu) weights of the inputs."""
+    @property
+    def K(self) -> Array:
+        """(nu, nx) gain of these weights."""
+    @property
+    def K_int(self) -> Array:
+        """(nu, ni) gain of the integrals of these weights."""
+    @property
+    def K_given(self) -> Array:
+        """(nu, nx) given gain, in the same order."""
+    @property
+    def K_int_given(self) -> Array:
+        """(nu, ni) given gain of the integrals, in the same order."""
+    @property
+    def difference(self) -> Tuple[float, float]:
+        """(before, after): largest difference of an entry, relative to the largest of its row
+        or column."""
+    @property
+    def worst(self) -> str:
+        """The entry with that difference, e.g. "K_int(w1, theta)"."""
+    @property
+    def tolerance(self) -> float:
+        """On the difference."""
+    @property
+    def weighted_sensitivity(self) -> float:
+        """At most 1 of every LQR gain with this R, with weights of the states of any kind."""
+    @property
+    def excess_cost(self) -> float:
+        """Largest relative excess cost of the given gain; NaN if it is not known."""
+    def save_design(self, file: Path) -> None:
+        """Write a design file (TOML) with the weights, and with the given gain as the published
+        one. Raises FileError if it cannot be written."""
+    def to_json(self) -> str:
+        """The text that `quadtune tune lqr V --match-gains FILE --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune tune lqr V --match-gains FILE --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune tune lqr V --match-gains FILE --json -o FILE` writes."""
+
 class Gains:
     """u = u0 + K (x_sp - x) + K_int integral(x_sp - x), with what is needed to apply it."""
 
     @property
     def K(self) -> Array:
-        """(nu, nx)"""
+        """(nu, nx) of the states."""
     @property
     def K_int(self) -> Array:
-        """(nu, ni)"""
+        """(nu, ni) of the integrals."""
     @property
     def states(self) -> List[str]:
         """Names of states."""
@@ -504,7 +616,7 @@ class IdealLqr:
         """The gains with their names."""
     @property
     def poles(self) -> ComplexArray:
-        """Of the loop as it is sampled."""
+        """(n) of the loop as it is sampled."""
     @property
     def margins(self) -> MarginsReport:
         """At the inputs."""
@@ -567,7 +679,10 @@ class Kalman:
         """What is doubtful; empty for nothing."""
     @property
     def dt(self) -> float:
-        """[s]; 1 of a discrete model, 0 of a continuous filter."""
+        """Sample period [s]; 1 of a discrete model, 0 of a continuous filter."""
+    @property
+    def sampled(self) -> Optional[SampledNoise]:
+        """SampledNoise of a model with sampled, otherwise None."""
     def to_json(self) -> str:
         """The text that `quadtune kalman --json` prints."""
     def to_dict(self) -> dict:
@@ -599,10 +714,10 @@ class Linearization:
         """The steady flight."""
     @property
     def A(self) -> Array:
-        """(nx, nx)"""
+        """(nx, nx) dynamics."""
     @property
     def B(self) -> Array:
-        """(nx, nu)"""
+        """(nx, nu) effect of the inputs."""
     @property
     def x0(self) -> Array:
         """(nx) state of the trim."""
@@ -642,28 +757,28 @@ class Loop:
 
     @property
     def A(self) -> Array:
-        """Of the open loop (nx, nx), the delay left out."""
+        """(nx, nx) of the open loop L with n channels, its delay left out."""
     @property
     def B(self) -> Array:
-        """(nx, n)"""
+        """(nx, n) of the open loop."""
     @property
     def C(self) -> Array:
-        """(n, nx)"""
+        """(n, nx) of the open loop."""
     @property
     def D(self) -> Array:
-        """(n, n)"""
+        """(n, n) of the open loop."""
     @property
     def dt(self) -> float:
         """Sample period [s]; 0 of a continuous loop."""
     @property
     def delay(self) -> float:
-        """Delay of a continuous loop [s]."""
+        """Delay of a continuous loop [s]; a discrete loop has states for it."""
     @property
     def poles(self) -> ComplexArray:
-        """Of the closed loop, the delay left out."""
+        """(nx) of the closed loop, the delay left out."""
     @property
     def names(self) -> List[str]:
-        """Names of the channels."""
+        """Names of the n channels."""
     @property
     def margins(self) -> MarginsReport:
         """Of the flown loop where there is one, otherwise of this loop."""
@@ -676,15 +791,22 @@ class Loop:
     @property
     def taken_as(self) -> str:
         """A doubt about what the matrices are; empty for none."""
+    @property
+    def skew(self) -> float:
+        """Of the disk margins: 0 balances S and T, 1 is that of S, -1 that of T."""
     def bode(self, channel: Union[int, str] = 0) -> LoopCurves:
-        """The frequency response of a channel, by its number or name, with all others closed:
-        of the ideal loop of a vehicle, as `quadtune margins --plot` draws it."""
+        """The frequency response of a channel, with all other channels closed.
+
+        channel: a number from 0, or a name. Of a vehicle it is the ideal loop, as
+        `quadtune margins --plot` draws it. Raises InvalidInput for an unknown channel."""
     def nyquist(self, channel: Union[int, str] = 0) -> LoopCurves:
-        """The same as bode(): L is the Nyquist curve."""
+        """The same as bode(): the values L are the Nyquist curve."""
     def step(self, channel: Union[int, str] = 0, duration: float = 0.0) -> Step:
-        """The output of a channel after a step of its set point. duration [s]; 0 chooses one."""
+        """The output of a channel after a unit step of its set point, all channels closed.
+
+        channel: a number from 0, or a name. duration >= 0 [s]; 0 chooses one."""
     def response(self, w: npt.ArrayLike, channel: Union[int, str] = 0) -> ComplexArray:
-        """L at given frequencies [rad/s], complex."""
+        """L at the frequencies w (n) [rad/s], complex (n), with all other channels closed."""
     def to_json(self) -> str:
         """The text that `quadtune margins --json` prints."""
     def to_dict(self) -> dict:
@@ -722,10 +844,10 @@ class LoopMargins:
         """Whether the closed loop is stable."""
     @property
     def gain_crossovers(self) -> List[GainCrossover]:
-        """By frequency."""
+        """Of the loop, by frequency."""
     @property
     def phase_crossovers(self) -> List[PhaseCrossover]:
-        """By frequency."""
+        """Of the loop, by frequency."""
     @property
     def gain_margin(self) -> float:
         """Smallest factor > 1 that brings L to -1; may be infinite."""
@@ -734,13 +856,13 @@ class LoopMargins:
         """Largest factor < 1 that brings L to -1; 0 for none."""
     @property
     def phase_margin(self) -> float:
-        """[rad]; may be infinite."""
+        """Smallest phase lag that makes the loop unstable [rad]; may be infinite."""
     @property
     def crossover(self) -> float:
         """Frequency of the phase margin [rad/s]."""
     @property
     def delay_margin(self) -> float:
-        """[s]; may be infinite."""
+        """Smallest delay that makes the loop unstable [s]; may be infinite."""
     @property
     def Ms(self) -> float:
         """Sensitivity peak max |1/(1 + L)|."""
@@ -755,7 +877,7 @@ class LoopMargins:
         """Its frequency [rad/s]."""
     @property
     def disk(self) -> DiskMargin:
-        """Disk margin."""
+        """Disk margin of the loop."""
 
 class Lqg:
     """State feedback together with its filter."""
@@ -765,10 +887,10 @@ class Lqg:
         """The gains with their names."""
     @property
     def K(self) -> Array:
-        """(nu, nx)"""
+        """(nu, nx) of u = u0 + K (x_sp - x) + ..."""
     @property
     def K_int(self) -> Array:
-        """(nu, ni)"""
+        """(nu, ni) gain of the integrals."""
     @property
     def flown(self) -> FlownLoop:
         """The loop as it flies about a hover."""
@@ -795,14 +917,16 @@ class Lqg:
         """Write the object that `quadtune lqg V --json -o FILE` writes."""
 
 class Lqr:
-    """The LQR gain of u = -K x of matrices, with its evidence."""
+    """The LQR gain of matrices, with its evidence: u = -K x +
+K_int integral(r - y) - K_past (u[k-1], u[k-2], ...)."""
 
     @property
     def riccati(self) -> Riccati:
-        """The solution of the Riccati equation."""
+        """The solution of the Riccati equation of all states: those of the plant, then the
+        integrals, then past inputs."""
     @property
     def status(self) -> str:
-        """"solved", "not stabilizable", ..."""
+        """"solved", "not stabilizable", "not detectable", ..."""
     @property
     def solved(self) -> bool:
         """Whether status is "solved"."""
@@ -810,17 +934,26 @@ class Lqr:
     def K(self) -> Array:
         """(nu, nx); NaN unless solved."""
     @property
+    def K_int(self) -> Array:
+        """(nu, ny) gain of the integrals of r - y; empty without integrals."""
+    @property
+    def K_past(self) -> Array:
+        """(nu, nu delay) gain of u[k-1], u[k-2], ...; empty without delay."""
+    @property
     def S(self) -> Array:
-        """Cost matrix: x'Sx is the cost from x."""
+        """Cost matrix of all states: x'Sx is the cost from x; NaN unless solved."""
     @property
     def poles(self) -> ComplexArray:
-        """Of the closed loop."""
+        """Of the closed loop of all states."""
     @property
     def margins(self) -> MarginsReport:
         """At the inputs u1, u2, ..."""
     @property
     def dt(self) -> float:
-        """[s]; 0 of a continuous loop, 1 of a discrete problem."""
+        """Sample period [s]; 0 of a continuous loop."""
+    @property
+    def sampled(self) -> Optional[SampledCost]:
+        """SampledCost of a problem with sampled, otherwise None."""
     @property
     def messages(self) -> List[str]:
         """"warning: ..." and "note: ..."."""
@@ -853,6 +986,87 @@ class MarginsReport:
     def notes(self) -> List[str]:
         """Conventions that apply to these margins."""
 
+class MatchedWeight:
+    """A weight that was computed for a gain."""
+
+    @property
+    def name(self) -> str:
+        """"Q(x)", "Q_integral(theta)", "R(w1)", ..."""
+    @property
+    def before(self) -> float:
+        """At the start of the first search."""
+    @property
+    def value(self) -> float:
+        """The result."""
+    @property
+    def low(self) -> float:
+        """Lower end of the interval; 0 if not determined."""
+    @property
+    def high(self) -> float:
+        """Upper end of the interval; infinite if not determined."""
+    @property
+    def verdict(self) -> str:
+        """How well the gain determines it: empty, "hardly seen", "in combination", "not
+        seen", "at zero" or "fixed"."""
+
+class MatrixLqg:
+    """LQR and Kalman filter of matrices as one controller."""
+
+    @property
+    def solved(self) -> bool:
+        """Whether both equations are solved."""
+    @property
+    def culprit(self) -> str:
+        """The equation and the mode that prevents a solution; empty when solved."""
+    @property
+    def riccati(self) -> Riccati:
+        """The solution of the Riccati equation of the LQR."""
+    @property
+    def K(self) -> Array:
+        """(nu, nx) gain of u = -K x; NaN unless solved."""
+    @property
+    def S(self) -> Array:
+        """(nx, nx) cost matrix of the LQR; NaN unless solved."""
+    @property
+    def L(self) -> Array:
+        """(nx, ny) predictor gain, or the gain of a continuous filter; NaN unless solved."""
+    @property
+    def M(self) -> Array:
+        """(nx, ny) filter gain; empty of a continuous filter."""
+    @property
+    def P(self) -> Array:
+        """(nx, nx) error covariance before the measurement; NaN unless solved."""
+    @property
+    def controller(self) -> Controller:
+        """Controller from y to -u, whose states are the estimates; empty unless solved."""
+    @property
+    def dt(self) -> float:
+        """Sample period [s]; 0 of a continuous controller."""
+    @property
+    def poles(self) -> ComplexArray:
+        """(2 nx) of the closed loop; empty unless solved."""
+    @property
+    def cost(self) -> float:
+        """Mean cost, per step if discrete; NaN unless solved."""
+    @property
+    def state_rms(self) -> Array:
+        """(nx) standard deviations in the closed loop; empty unless solved."""
+    @property
+    def input_rms(self) -> Array:
+        """(nu) standard deviations of u; empty unless solved."""
+    @property
+    def margins(self) -> MarginsReport:
+        """At the inputs u1, u2, ..."""
+    @property
+    def messages(self) -> List[str]:
+        """"warning: ..." and "note: ..."."""
+    def to_json(self) -> str:
+        """The text that `quadtune lqg --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune lqg --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune lqg --json -o FILE` writes."""
+
 class MatrixLqr:
     """Gains for programs that hold matrices alone, designed on the flown plants."""
 
@@ -861,10 +1075,10 @@ class MatrixLqr:
         """The gains with their names."""
     @property
     def K(self) -> Array:
-        """(nu, nx)"""
+        """(nu, nx) of u = u0 + K (x_sp - x) + ..."""
     @property
     def K_int(self) -> Array:
-        """(nu, ni)"""
+        """(nu, ni) gain of the integrals."""
     @property
     def flown(self) -> FlownLoop:
         """The loop as it flies about a hover."""
@@ -880,6 +1094,40 @@ class MatrixLqr:
         """The object that `quadtune lqr V --structure matrix --json` prints, as Python objects."""
     def save(self, file: Path) -> None:
         """Write the object that `quadtune lqr V --structure matrix --json -o FILE` writes."""
+
+class MeasuredLoop:
+    """A loop that is known by its frequency response, with its margins."""
+
+    @property
+    def margins(self) -> MarginsReport:
+        """Of the one loop; a margin that the data leave open is infinite."""
+    @property
+    def samples(self) -> int:
+        """Number of frequencies."""
+    @property
+    def w_min(self) -> float:
+        """Lowest frequency [rad/s]."""
+    @property
+    def w_max(self) -> float:
+        """Highest frequency [rad/s]."""
+    @property
+    def crosses_gain(self) -> bool:
+        """Whether |L| passes 1 within the data."""
+    @property
+    def crosses_phase(self) -> bool:
+        """Whether L passes the negative real axis within the data."""
+    @property
+    def largest_phase_step(self) -> float:
+        """Between neighbours [rad]; above pi/2 the data are too coarse."""
+    @property
+    def notes(self) -> List[str]:
+        """What is assumed, and what the data leave open."""
+    def to_json(self) -> str:
+        """The text that `quadtune margins --frd FILE --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune margins --frd FILE --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune margins --frd FILE --json -o FILE` writes."""
 
 class MethodComparison:
     """What each sampling method makes of a vehicle's loops."""
@@ -929,7 +1177,25 @@ class Pid:
         """Derivative gain [s]."""
     @property
     def Tf(self) -> float:
-        """Time constant of the derivative's filter [s]."""
+        """Time constant of the filter of the derivative [s]; 0 for none."""
+    @property
+    def num(self) -> Optional[Array]:
+        """Of the discrete controller, descending powers of z; None without dt."""
+    @property
+    def den(self) -> Optional[Array]:
+        """Of the discrete controller, descending powers of z; None without dt."""
+    @property
+    def dt(self) -> float:
+        """Sample period of the discrete controller [s]; 0 without one."""
+    @property
+    def controller(self) -> Controller:
+        """The same as a Controller, for margins()."""
+    def to_json(self) -> str:
+        """The text that `quadtune pid --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune pid --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune pid --json -o FILE` writes."""
     @property
     def type(self) -> str:
         """"P", "PI", "PD" or "PID"."""
@@ -938,13 +1204,44 @@ class Pid:
         """How the gains were computed, in words."""
     @property
     def margins(self) -> MarginsReport:
-        """Of the loop."""
+        """Of the continuous loop."""
+
+class PidAlone:
+    """PID gains without a plant."""
+
+    @property
+    def Kp(self) -> float:
+        """Proportional gain."""
+    @property
+    def Ki(self) -> float:
+        """Integral gain [1/s]."""
+    @property
+    def Kd(self) -> float:
+        """Derivative gain [s]."""
+    @property
+    def Tf(self) -> float:
+        """Time constant of the filter of the derivative [s]; 0 for none."""
+    @property
+    def num(self) -> Optional[Array]:
+        """Of the discrete controller, descending powers of z; None without dt."""
+    @property
+    def den(self) -> Optional[Array]:
+        """Of the discrete controller, descending powers of z; None without dt."""
+    @property
+    def dt(self) -> float:
+        """Sample period of the discrete controller [s]; 0 without one."""
+    @property
+    def controller(self) -> Controller:
+        """The same as a Controller, for margins()."""
     def to_json(self) -> str:
         """The text that `quadtune pid --json` prints."""
     def to_dict(self) -> dict:
         """The object that `quadtune pid --json` prints, as Python objects."""
     def save(self, file: Path) -> None:
         """Write the object that `quadtune pid --json -o FILE` writes."""
+    @property
+    def how(self) -> str:
+        """How the gains were computed, in words."""
 
 class PidLoop:
     """output = Kp error + Ki integral(error) + Kd measured rate"""
@@ -968,6 +1265,34 @@ class PidLoop:
     def Kd(self) -> float:
         """Derivative gain, with its own sign."""
 
+class PolePlacement:
+    """The gain of u = -K x with given poles, with its evidence."""
+
+    @property
+    def status(self) -> str:
+        """"solved", "not controllable" or "inaccurate"."""
+    @property
+    def solved(self) -> bool:
+        """Whether status is "solved"."""
+    @property
+    def K(self) -> Array:
+        """(nu, nx); NaN unless solved."""
+    @property
+    def poles(self) -> ComplexArray:
+        """(nx) computed eigenvalues of A - B K; empty unless solved."""
+    @property
+    def error(self) -> float:
+        """Largest distance between a requested pole and the computed one; NaN unless computed."""
+    @property
+    def culprit(self) -> str:
+        """The mode that cannot be moved; empty when solved."""
+    def to_json(self) -> str:
+        """The text that `quadtune place --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune place --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune place --json -o FILE` writes."""
+
 class PredictedRms:
     """Standard deviations that the noise of the sensors causes in calm air."""
 
@@ -976,13 +1301,13 @@ class PredictedRms:
         """Since the vehicle was at rest [s]."""
     @property
     def state(self) -> Array:
-        """(12) of the true states."""
+        """(12) of the true states, in SI units."""
     @property
     def error(self) -> Array:
-        """(12) of the errors of the estimates."""
+        """(12) of the errors of the estimates, in SI units."""
     @property
     def command(self) -> Array:
-        """(nu) of the commands."""
+        """(nu) of the commands, in SI units."""
     @property
     def turned(self) -> Array:
         """(12) the part by which the heading turns; contained in state."""
@@ -1004,7 +1329,7 @@ class Riccati:
         """The gain of u = -K x (nu, nx); NaN unless solved."""
     @property
     def poles(self) -> ComplexArray:
-        """Eigenvalues of A - B K."""
+        """(nx) eigenvalues of A - B K; empty unless solved."""
     @property
     def residual(self) -> float:
         """Relative residual of the equation."""
@@ -1049,6 +1374,38 @@ class Rotor:
     def lag(self) -> float:
         """Time constant of the speed [s]."""
 
+class SampledCost:
+    """A continuous LQR problem whose input is held, per step."""
+
+    @property
+    def A(self) -> Array:
+        """(nx, nx) of the sampled plant."""
+    @property
+    def B(self) -> Array:
+        """(nx, nu) of the sampled plant."""
+    @property
+    def Q(self) -> Array:
+        """(nx, nx) weights of the states per step."""
+    @property
+    def R(self) -> Array:
+        """(nu, nu) weights of the inputs per step."""
+    @property
+    def N(self) -> Array:
+        """(nx, nu) cross weights per step."""
+
+class SampledNoise:
+    """A continuous model with noise that is measured at samples, per step."""
+
+    @property
+    def A(self) -> Array:
+        """(nx, nx) of the sampled model."""
+    @property
+    def Q(self) -> Array:
+        """(nx, nx) covariance of the process noise per step."""
+    @property
+    def R(self) -> Array:
+        """(ny, ny) covariance of a measurement."""
+
 class SampledPlant:
     """A plant that was sampled, or taken back to continuous time."""
 
@@ -1089,12 +1446,97 @@ class SampledPlant:
     def save(self, file: Path) -> None:
         """Write the object that `quadtune discretize --json -o FILE` writes."""
 
+class Schedule:
+    """State-feedback gains over a grid of flights."""
+
+    @property
+    def axes(self) -> dict:
+        """Values of each axis, by quantity, in their order; the last varies fastest."""
+    @property
+    def status(self) -> List[str]:
+        """"solved", "no trim" or "no gain" of each point; the last axis varies fastest."""
+    @property
+    def culprits(self) -> List[str]:
+        """Why a point has no gain; empty if it has one. In the order of status."""
+    @property
+    def states(self) -> List[str]:
+        """Names of the states."""
+    @property
+    def inputs(self) -> List[str]:
+        """Names of the inputs."""
+    @property
+    def integrals(self) -> List[str]:
+        """Names of the integrated states."""
+    @property
+    def vehicle(self) -> str:
+        """Name of the vehicle."""
+    @property
+    def convention(self) -> str:
+        """Name of the convention."""
+    @property
+    def dt(self) -> float:
+        """Sample period [s]; 0 of a continuous law."""
+    @property
+    def yaw(self) -> float:
+        """Heading of all points [rad]."""
+    @property
+    def messages(self) -> List[str]:
+        """"warning: ..." and "note: ..."."""
+    @property
+    def K(self) -> Array:
+        """(axis 1, axis 2, ..., nu, nx); NaN where there is no gain."""
+    @property
+    def K_int(self) -> Array:
+        """(axis 1, axis 2, ..., nu, ni); NaN where there is no gain."""
+    @property
+    def x0(self) -> Array:
+        """(axis 1, axis 2, ..., nx) trim states; NaN where there is no gain."""
+    @property
+    def u0(self) -> Array:
+        """(axis 1, axis 2, ..., nu) trim inputs; NaN where there is no gain."""
+    def at(self, values: Numbers) -> ScheduledGain:
+        """Gains by multilinear interpolation; nothing is extrapolated.
+
+        values: one of each axis, in their order. Outside the grid, and next to a point
+        without a gain, the result is not found. Raises InvalidInput for another count of
+        values."""
+    def to_json(self) -> str:
+        """The table that `quadtune lqr V --schedule GRID --json` prints."""
+    def to_dict(self) -> dict:
+        """The same as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the table as TOML or JSON, by the end of the name, for fly() and export().
+
+        Raises InvalidInput for another name, FileError if it cannot be written."""
+
+class ScheduledGain:
+    """Gains between the points of a grid, or the reason for none."""
+
+    @property
+    def found(self) -> bool:
+        """Whether there are gains."""
+    @property
+    def K(self) -> Array:
+        """(nu, nx); empty unless found."""
+    @property
+    def K_int(self) -> Array:
+        """(nu, ni); empty unless found."""
+    @property
+    def x0(self) -> Array:
+        """(nx) trim state; empty unless found."""
+    @property
+    def u0(self) -> Array:
+        """(nu) trim input; empty unless found."""
+    @property
+    def culprit(self) -> str:
+        """The axis and its range, or the point without gain; empty if found."""
+
 class SimultaneousDiskMargin:
     """The disk in which the factors of all loops may be at once."""
 
     @property
     def guaranteed(self) -> DiskMargin:
-        """A disk that is safe."""
+        """The largest disk for which stability is proved."""
     @property
     def alpha_destabilizing(self) -> float:
         """Size of a disk with factors that destabilize."""
@@ -1108,6 +1550,46 @@ class Step:
     @property
     def y(self) -> Array:
         """Output per unit of the set point."""
+
+class System:
+    """Poles, zeros and norms of a linear system."""
+
+    @property
+    def dt(self) -> float:
+        """Sample period [s]; 0 of a continuous system."""
+    @property
+    def stable(self) -> bool:
+        """Whether every pole is stable."""
+    @property
+    def poles(self) -> ComplexArray:
+        """(nx) eigenvalues of A."""
+    @property
+    def zeros(self) -> ComplexArray:
+        """Finite invariant zeros; may be none."""
+    @property
+    def rank(self) -> int:
+        """Rank of the transfer function matrix."""
+    @property
+    def dc_gain(self) -> Optional[Array]:
+        """(ny, nu) response to constant inputs; None with a pole there."""
+    @property
+    def peak_gain(self) -> float:
+        """Largest singular value over all frequencies; infinite with a pole on the boundary."""
+    @property
+    def hinf_norm(self) -> Optional[float]:
+        """H-infinity norm: peak_gain of a stable system, otherwise None."""
+    @property
+    def hinf_frequency(self) -> float:
+        """Frequency of the peak [rad/s]; infinite where the feed-through attains it."""
+    @property
+    def h2_norm(self) -> float:
+        """H2 norm; infinite if unstable, or if continuous with D other than 0."""
+    def to_json(self) -> str:
+        """The text that `quadtune analyze --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune analyze --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune analyze --json -o FILE` writes."""
 
 class Trim:
     """A steady flight, or the reason why there is none."""
@@ -1173,15 +1655,60 @@ class TunedKalman:
     def save(self, file: Path) -> None:
         """Write the object that `quadtune tune kalman --json -o FILE` writes."""
 
+class TunedLqr:
+    """LQR weights that were searched over missions."""
+
+    @property
+    def accepted(self) -> bool:
+        """Whether fresh draws prove that the candidate is better than the start."""
+    @property
+    def reason(self) -> str:
+        """Why, in words."""
+    @property
+    def costs(self) -> Array:
+        """Cost of each point, in the order in which they were tried; NaN of an unstable one."""
+    @property
+    def evaluations(self) -> int:
+        """Number of points that were tried."""
+    def save_design(self, file: Path) -> None:
+        """Write the candidate as a design file (TOML), which states the reason.
+
+        Raises FileError if it cannot be written."""
+    @property
+    def weights(self) -> TunedWeights:
+        """TunedWeights that count: those of the start where nothing better was accepted."""
+    @property
+    def start(self) -> TunedWeights:
+        """TunedWeights of the start."""
+    @property
+    def candidate(self) -> TunedWeights:
+        """TunedWeights of the best point of the search, accepted or not."""
+    def to_json(self) -> str:
+        """The text that `quadtune tune lqr V --json` prints."""
+    def to_dict(self) -> dict:
+        """The object that `quadtune tune lqr V --json` prints, as Python objects."""
+    def save(self, file: Path) -> None:
+        """Write the object that `quadtune tune lqr V --json -o FILE` writes."""
+
 class TunedPid:
     """PID gains that were searched over missions."""
 
     @property
     def accepted(self) -> bool:
-        """Whether fresh draws prove that the gains found are better."""
+        """Whether fresh draws prove that the candidate is better than the start."""
     @property
     def reason(self) -> str:
         """Why, in words."""
+    @property
+    def costs(self) -> Array:
+        """Cost of each point, in the order in which they were tried; NaN of an unstable one."""
+    @property
+    def evaluations(self) -> int:
+        """Number of points that were tried."""
+    def save_design(self, file: Path) -> None:
+        """Write the candidate as a design file (TOML), which states the reason.
+
+        Raises FileError if it cannot be written."""
     @property
     def loops(self) -> List[PidLoop]:
         """PidLoop of the gains that count: the start where nothing better was accepted."""
@@ -1191,20 +1718,25 @@ class TunedPid:
     @property
     def candidate(self) -> List[PidLoop]:
         """PidLoop of the best point of the search, accepted or not."""
-    @property
-    def costs(self) -> Array:
-        """Cost of each point, in the order in which they were tried; NaN of an unstable one."""
-    @property
-    def evaluations(self) -> int:
-        """Points that were tried."""
-    def save_design(self, file: Path) -> None:
-        """Write the candidate as a design file, which states the reason."""
     def to_json(self) -> str:
         """The text that `quadtune tune pid V --json` prints."""
     def to_dict(self) -> dict:
         """The object that `quadtune tune pid V --json` prints, as Python objects."""
     def save(self, file: Path) -> None:
         """Write the object that `quadtune tune pid V --json -o FILE` writes."""
+
+class TunedWeights:
+    """Diagonal weights of an LQR with their gains."""
+
+    @property
+    def names(self) -> List[str]:
+        """Of states, integrals and inputs."""
+    @property
+    def weights(self) -> Array:
+        """In the order of names."""
+    @property
+    def gains(self) -> Optional[Gains]:
+        """Gains, or None without a solution."""
 
 class Vehicle:
     """The numbers of one multirotor, in SI units."""
@@ -1220,7 +1752,7 @@ class Vehicle:
         """Where the numbers come from."""
     @property
     def mass(self) -> float:
-        """[kg]"""
+        """Mass [kg]."""
     @property
     def inertia(self) -> Array:
         """(3, 3) about the centre of mass [kg m2]."""
@@ -1229,7 +1761,7 @@ class Vehicle:
         """The rotors, numbered from 1 in messages."""
     @property
     def gravity(self) -> float:
-        """[m/s2]"""
+        """Acceleration of gravity [m/s2]."""
     @property
     def air_density(self) -> float:
         """At which the rotor curves hold [kg/m3]."""
@@ -1270,7 +1802,7 @@ class Verification:
         """As read from the files, or None."""
     @property
     def poles(self) -> ComplexArray:
-        """Of the closed loop of these gains."""
+        """(n) of the closed loop of these gains."""
     def to_json(self) -> str:
         """The text that `quadtune verify DIR --json` prints."""
     def to_dict(self) -> dict:
@@ -1291,165 +1823,375 @@ class VerifyCheck:
     def detail(self) -> str:
         """What was found."""
 
+@overload
+def analyze(A: npt.ArrayLike, B: npt.ArrayLike, C: Optional[npt.ArrayLike] = None, D: Optional[npt.ArrayLike] = None, *, dt: Optional[float] = None) -> System:
+    """Poles, zeros, gain at rest, H-infinity and H2 norm of matrices.
+
+    A (nx, nx), B (nx, nu), C (ny, nx) or None for the states, D (ny, nu) or None for zero.
+    dt > 0: the sample period [s] of a discrete system. Raises InvalidInput for wrong
+    shapes and entries that are not finite."""
+@overload
+def analyze(*, num: Numbers, den: Numbers, dt: Optional[float] = None) -> System:
+    """The same of a transfer function.
+
+    num, den: coefficients in descending powers of s, or of z with dt > 0 [s], with at most
+    as many zeros as poles. Raises InvalidInput for other coefficients."""
+
 def campaign(file: Path, folder: Optional[Path] = None, *, shards: int = 0, threads: int = 0) -> Campaign:
     """Plan, fly and merge a campaign on this machine.
 
     file: a campaign file (docs/formats.md). folder: a new one, or one where this was
-    stopped, which continues there; default: the file's name with -campaign, in the
-    current folder. threads: 0 for one a processor. Ctrl-C ends it; what was flown stays."""
+    stopped, which continues there; default: the file's name with -campaign, in the current
+    folder. shards: parts into which the flights are divided; 0 chooses. threads: 0 for one
+    of each processor. Ctrl-C ends it; what was flown stays. Raises InvalidInput with
+    "file:line" for a wrong file, NoSolution if a design of it has none, FileError if
+    files cannot be read or written."""
 
 def certify(directory: Path, *, vehicle: Optional[VehicleLike] = None, controller: str = '', mass: Tuple[float, float] = (0.9, 1.1), inertia: Tuple[float, float] = (0.8, 1.2), thrust: Tuple[float, float] = (0.9, 1.1), delay: Optional[Tuple[float, float]] = None, lag: Optional[Tuple[float, float]] = None, integrator: Optional[str] = None, plant: str = 'flown', budget: int = 20000, seed: int = 1, threads: int = 0) -> Certificate:
     """Prove the loops of an export stable for every vehicle of a box, or find one that is
     not.
 
-    mass, inertia, thrust: (low, high) ratios to the vehicle's file. delay of the loop
-    and lag of the motors: (low, high) [s]; default: up to one period, and the vehicle's.
-    budget: boxes that a proof may inspect."""
+    directory: of an export. vehicle: where the manifest's is not built in. controller:
+    "state-feedback" or "cascaded-pid", where both were exported. mass, inertia,
+    thrust: (low, high) > 0, ratios to the vehicle's file. delay >= 0 of the loop and lag
+    >= 0 of the motors: (low, high) [s]; default: up to one period, and that of the
+    vehicle. integrator of a cascade: "euler", "backward-euler" or "tustin". plant:
+    "flown" or "ideal". budget: boxes that a proof may inspect. threads: 0 for one of
+    each processor. Raises InvalidInput for a wrong argument or export, FileError if files
+    cannot be read."""
 
 def check_vehicle(vehicle: VehicleLike) -> VehicleCheck:
     """Check that a vehicle can hover and that its rotors command thrust and all torques.
 
-    Raises NoSolution with the cause if it cannot."""
+    vehicle: a built-in name, a file or a Vehicle. Raises NoSolution with the cause if it
+    cannot, InvalidInput with "file:line" for a wrong file, FileError if it cannot be
+    read."""
 
 def compare_methods(vehicle: VehicleLike, dt: float, *, plant: str = 'flown') -> MethodComparison:
-    """Compare every sampling method at dt/2, dt and 2 dt on the LQR and PID loops of a
-    vehicle. plant: "flown" or "ideal"."""
+    """Compare every sampling method on the LQR and PID loops of a vehicle.
+
+    dt > 0 [s]: the methods are compared at dt/2, dt and 2 dt. plant: "flown" or
+    "ideal". Raises InvalidInput for a wrong argument, NoSolution if the vehicle has no
+    loops to compare, FileError if its file cannot be read."""
 
 def design(file: Path, *, directory: Optional[Path] = None, force: bool = False, seeds: Optional[int] = None, seed: int = 1) -> Design:
-    """The whole way of a design file: trim, linearize, synthesize, fly, export, verify.
+    """The whole way of a design file: trim, linearize, synthesize, fly, export,
+    verify.
 
     directory: where exports and pages are written if the design passes; with force
-    whatever the outcome. seeds: flights of each mission, 5."""
+    whatever the outcome. seeds >= 1: flights of each mission, by default 5; seed:
+    of the first. A design that fails is a result with passed == False and its
+    failure. Raises InvalidInput with "file:line" for a wrong file, NoSolution if
+    a problem of it has none, FileError if files cannot be read or written."""
 
 @overload
 def discretize(A: npt.ArrayLike, B: npt.ArrayLike, C: Optional[npt.ArrayLike] = None, D: Optional[npt.ArrayLike] = None, *, dt: float, method: str = 'zoh', prewarp: Optional[float] = None, input_delay: Optional[Numbers] = None, output_delay: Optional[Numbers] = None, inverse: bool = False) -> SampledPlant:
-    """Sample a continuous system of matrices, or with inverse=True take a discrete one
-    back.
+    """Sample a continuous system of matrices, or with inverse=True take a discrete one back.
 
-    dt: sample period [s]. method: "zoh", "foh", "impulse", "euler",
-    "backward-euler", "tustin" or "matched". prewarp: frequency at which tustin is
-    exact [rad/s]. input_delay, output_delay: of each channel, or of all [s]."""
+    A (nx, nx), B (nx, nu), C (ny, nx) or None for the states, D (ny, nu) or None for zero.
+    dt > 0: sample period [s]. method: "zoh", "foh", "impulse", "euler",
+    "backward-euler", "tustin" or "matched". prewarp > 0: frequency at which tustin
+    is exact [rad/s]. input_delay, output_delay >= 0 [s]: of all channels, or of each (nu),
+    (ny). Raises InvalidInput for wrong shapes, entries that are not finite, numbers out of
+    range, and a method that cannot be taken back."""
 @overload
 def discretize(*, num: Numbers, den: Numbers, dt: float, delay: float = 0.0, method: str = 'zoh', prewarp: Optional[float] = None, inverse: bool = False) -> SampledPlant:
-    """The same of a transfer function: coefficients in descending powers, delay in seconds."""
+    """The same of a transfer function.
+
+    num, den: coefficients in descending powers of s, or with inverse=True of z.
+    delay >= 0 [s]. The other arguments, and the exceptions, as for matrices."""
 
 def export(source: Path, to: str, directory: Path, *, vehicle: Optional[VehicleLike] = None, name: str = '', precision: str = '', law: str = '', adapter: str = '', imu_calibration: Optional[Path] = None, constants: bool = False, firmware: str = '', setup: str = '', filter_noise: bool = False, force: bool = False) -> Export:
     """Write gains, or what a design gives, for another program.
 
-    source: an export, a gain file, a design file (.toml) or, with to="c", a gain schedule.
-    to: "uquad", "mambo", "json", "mat", "c", "px4", "ardupilot", "betaflight" or
-    "crazyflie". The other arguments are the options of `quadtune export` (docs/cli.md)."""
+    source: an export, a gain file, a design file (.toml) or, with to="c", a gain
+    schedule. to: "uquad", "mambo", "json", "mat", "c", "px4", "ardupilot",
+    "betaflight" or "crazyflie". directory: where the files are written. vehicle: where
+    the source does not name one. With to="c": name of the functions, precision
+    "single" or "double", law and adapter. With to="uquad": imu_calibration, a file,
+    and constants. With an autopilot: firmware, its version, setup and filter_noise. force:
+    also a design that does not pass. docs/cli.md explains them, as options of `quadtune
+    export`. Raises InvalidInput for a wrong argument or source, and for gains that do not
+    hold the vehicle; NoSolution if a design has none; FileError."""
 
 def fly(vehicle: VehicleLike, *, mission: Path = 'hover', controller: str = '', gains: Path = '', integrator: str = '', estimator: str = '', flow: str = '', flow_rate: Optional[float] = None, sensors: str = '', wind: str = 'calm', allocation: str = '', take_off: str = '', duration: Optional[float] = None, solver: str = 'bogacki-shampine-3', step: Optional[float] = None, dynamic_environment: bool = False, seed: int = 1, seeds: Optional[int] = None, log: bool = True, diagnose: bool = True) -> Union[Flight, List[Flight]]:
     """Fly a mission in the nonlinear simulation, with a verdict.
 
     mission: a built-in name or a file. controller: "cascaded-pid", "state-feedback" or
     "firmware". gains: "designed", "published", an export, a gain or design file, or
-    what a result's save() wrote. The other words are those of `quadtune fly`
-    (docs/cli.md#flights). seeds=N flies N seeds from `seed` on and returns a list.
-    log=False keeps no record; diagnose=False does not look for the cause of a failure."""
+    what a result's save() wrote. duration > 0 [s]: default: that of the mission. step > 0:
+    of the solver [s]. flow_rate > 0: of the optical flow [Hz]. The other words are those
+    of `quadtune fly` (docs/cli.md#flights). seeds=N >= 1 flies N seeds from `seed` on and
+    returns a list. log=False keeps no record; diagnose=False does not look for the cause
+    of a failure. A flight that fails is a result with passed == False. Raises InvalidInput
+    for unknown words and numbers out of range, NoSolution if the vehicle cannot hover or a
+    design has no solution, FileError if a file cannot be read."""
 
 def kalman(A: npt.ArrayLike, C: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike, *, G: Optional[npt.ArrayLike] = None, N: Optional[npt.ArrayLike] = None, discrete: bool = False, sampled: Optional[float] = None) -> Kalman:
     """The steady-state Kalman filter of matrices.
 
-    A (nx, nx), C (ny, nx), Q (nw, nw), R (ny, ny), G (nx, nw) or None for the identity,
-    N (nw, ny) or None. Continuous by default, with spectral densities;
-    discrete=True with covariances per step; sampled=DT for the continuous model measured
-    every DT seconds. Status and culprit are in the result."""
+    A (nx, nx), C (ny, nx), Q (nw, nw) symmetric and >= 0, R (ny, ny) symmetric and > 0, G
+    (nx, nw) or None for the identity, N (nw, ny) or None for zero: x' = A x + G w, y = C x
+    + v. Continuous by default, Q and R are spectral densities; discrete=True: they are
+    covariances per step; sampled > 0 [s]: the continuous model is measured every so many
+    seconds. A problem without solution is a result whose status is not "solved" and
+    whose culprit names the mode. Raises InvalidInput for wrong shapes, entries that are
+    not finite and covariances out of range."""
 
 def linearize(vehicle: VehicleLike, *, at: str = 'hover', speed: float = 0.0, climb: float = 0.0, radius: float = 0.0, yaw_rate: float = 0.0, yaw: float = 0.0, convention: str = 'ned', inputs: str = 'rotor-speed', states: Names = 'full') -> Linearization:
     """Trim a vehicle and compute its linear model.
 
-    at: "hover", "line", "circle" or "spin"; speed and climb in m/s, radius in m,
-    yaw_rate in rad/s, yaw in rad. convention: "ned", "uquad", "mambo" or a file.
-    inputs: "rotor-speed", "rotor-thrust", "wrench" or "command". states: "full",
-    "no-position" or names. Raises NoSolution if there is no such trim."""
+    at: "hover", "line", "circle" or "spin". speed >= 0 of line and circle [m/s],
+    climb of line, circle and spin, upward [m/s], radius of the circle, not 0 [m], yaw_rate
+    of the spin, not 0 [rad/s], yaw: heading from north, clockwise from above [rad]; a
+    negative radius or yaw_rate turns to the left. convention: "ned", "uquad",
+    "mambo" or a file. inputs: "rotor-speed", "rotor-thrust", "wrench" or
+    "command". states: "full", "no-position" or names. Raises NoSolution if there is
+    no such trim, InvalidInput for a wrong argument, FileError if a file cannot be read."""
 
 def load_campaign(folder: Path, *, threads: int = 0) -> Campaign:
-    """Merge the flown shards of a campaign, as `quadtune campaign merge` does."""
+    """Merge the flown shards of a campaign, as `quadtune campaign merge` does.
 
+    folder: where the campaign was planned. threads: 0 for one of each processor. Raises
+    InvalidInput if shards are missing or do not belong together, FileError if files cannot
+    be read or written."""
+
+def load_schedule(file: Path) -> Schedule:
+    """Read a schedule that was saved: a table in TOML or JSON.
+
+    Raises FileError if it cannot be read, InvalidInput with "file:line" if it is wrong."""
+
+@overload
+def lqg(A: npt.ArrayLike, B: npt.ArrayLike, C: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike, noise_Q: npt.ArrayLike, noise_R: npt.ArrayLike, *, D: Optional[npt.ArrayLike] = None, N: Optional[npt.ArrayLike] = None, G: Optional[npt.ArrayLike] = None, noise_N: Optional[npt.ArrayLike] = None, discrete: bool = False, sampled: Optional[float] = None, dt: Optional[float] = None, estimate: Optional[str] = None) -> MatrixLqg:
+    """LQR and Kalman filter of matrices as one controller.
+
+    A (nx, nx), B (nx, nu), C (ny, nx), D (ny, nu) or None for zero. Weights Q (nx, nx) >=
+    0, R (nu, nu) > 0 and N (nx, nu) as lqr(); noise_Q (nw, nw) >= 0, noise_R (ny, ny) > 0,
+    noise_N (nw, ny) and G (nx, nw) as Q, R, N and G of kalman(). Continuous by default;
+    discrete=True for a sampled plant, dt > 0 [s] (1 by default) its period; sampled > 0
+    [s] for a continuous problem whose input is held for so long. estimate, unless
+    continuous: "current" (default), the command uses the measurement of its sample, or
+    "delayed", it does not. A problem without solution is a result with solved == False
+    and its culprit. Raises InvalidInput for wrong shapes, entries that are not finite, and
+    weights and covariances out of range."""
+@overload
 def lqg(vehicle: VehicleLike, *, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, dt: Optional[float] = None, change: Optional[Numbers] = None, past: Optional[int] = None, estimator: str = '', sensors: str = '', height: float = 1.1, time: float = 60.0, recover: bool = False, noise_budget: Optional[float] = None) -> Lqg:
     """State feedback and filter of a vehicle together: predicted deviations and margins.
 
-    Arguments as lqr() on the flown plant. time: of the prediction [s]. recover: raise the noise
-    that the filter assumes where that gives larger margins; noise_budget: largest factor on
-    the rms of a command."""
+    Arguments and exceptions as lqr() on the flown plant. time > 0 and at most 1e6: of the
+    prediction [s]. recover: raise the noise that the filter assumes where that gives larger
+    margins; noise_budget > 1: largest factor on the rms of a command."""
 
 @overload
 def lqr(vehicle: VehicleLike, *, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, dt: Optional[float] = None, plant: Optional[str] = None, structure: Optional[str] = None, change: Optional[Numbers] = None, past: Optional[int] = None, estimator: str = '', sensors: str = '', height: float = 1.1, at: Optional[str] = None, speed: Optional[float] = None, climb: Optional[float] = None, radius: Optional[float] = None, yaw_rate: Optional[float] = None, yaw: Optional[float] = None, convention: Optional[str] = None, inputs: Optional[str] = None, states: Optional[Names] = None, method: Optional[str] = None, evidence: Optional[str] = None) -> Union[FlownLqr, MatrixLqr, IdealLqr]:
     """State feedback of a vehicle about a trim.
 
     plant: "flown" (default) includes motor lag, delays of sensors and the estimator and
-    returns FlownLqr, with structure="matrix" MatrixLqr; "ideal", which the arguments from
-    `at` on imply, is the textbook plant and returns IdealLqr. Q: weights of the states, then of
-    the integrals; R: of the inputs; one number stands for all. Default: Bryson's rule, on the
-    ideal plant 1. integral: states to integrate. dt: sample period [s]. change: weights of the
-    changes of the commands. past: control periods by which the law predicts."""
+    returns FlownLqr, with structure="matrix" MatrixLqr; "ideal", which the arguments
+    from `at` on imply, is the textbook plant and returns IdealLqr. Q: weights >= 0 of the
+    states, then of the integrals; R > 0: of the inputs; one number stands for all.
+    Default: Bryson's rule, on the ideal plant 1. integral: states to integrate. dt > 0:
+    sample period [s], by default 0.005. change >= 0: weights of the changes of the
+    commands. past >= 0: control periods by which the law predicts. estimator, sensors as
+    fly(); height > 0 of the hover [m]. at to states as linearize(); method:
+    "continuous", "discrete" (weights per step) or "sampled" (exact cost); evidence:
+    "none", "essential" or "full" margins. An ideal problem without solution is a
+    result with solved == False. Raises NoSolution if there is no trim or no law on the
+    flown plant, InvalidInput for a wrong argument, FileError if a file cannot be read."""
 @overload
-def lqr(A: npt.ArrayLike, B: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike, N: Optional[npt.ArrayLike] = None, *, discrete: bool = False, sampled: Optional[float] = None, evidence: Optional[str] = None) -> Lqr:
-    """The LQR gain of matrices, or of a vehicle.
+def lqr(A: npt.ArrayLike, B: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike, N: Optional[npt.ArrayLike] = None, *, C: Optional[npt.ArrayLike] = None, D: Optional[npt.ArrayLike] = None, delay: int = 0, discrete: bool = False, sampled: Optional[float] = None, dt: Optional[float] = None, evidence: Optional[str] = None) -> Lqr:
+    """The LQR gain of matrices.
 
-    A (nx, nx), B (nx, nu), Q (nx, nx), R (nu, nu), N (nx, nu) or None. Continuous by
-    default; discrete=True for a sampled plant with weights per step; sampled=DT for the
-    continuous problem with the input held for DT seconds. evidence: "none",
-    "essential" or "full" margins. A problem without solution is a result whose
-    status is not "solved" and whose riccati.culprit names the mode."""
+    A (nx, nx), B (nx, nu), Q (nx, nx) symmetric and >= 0, R (nu, nu) symmetric and > 0, N
+    (nx, nu) or None for zero. Continuous by default; discrete=True for a sampled plant
+    with weights per step, dt > 0 [s] (1 by default) its period; sampled > 0 [s] for the
+    continuous problem with the input held for so long. C (ny, nx) and D (ny, nu): outputs
+    whose integrals are fed back; Q and N then have ny more rows, those of the integrals.
+    delay: 0 to 2000 samples by which the input acts late, unless continuous. evidence:
+    "none", "essential" (each loop) or "full" (and all loops at once); None for as
+    much as takes about a second. A problem without solution is a result whose status is
+    not "solved" and whose riccati.culprit names the mode. Raises InvalidInput for wrong
+    shapes, entries that are not finite and weights out of range."""
 
 @overload
-def margins(vehicle: VehicleLike, gains: Path, *, plant: str = 'flown', estimator: str = '', sensors: str = '', height: float = 1.1, delay: float = 0.0) -> Loop:
-    """Margins of a vehicle with gains: an export, a file of gains or a design file.
+def margins(vehicle: VehicleLike, gains: Path, *, plant: str = 'flown', estimator: str = '', sensors: str = '', height: float = 1.1, delay: float = 0.0, skew: float = 0.0) -> Loop:
+    """Margins of a vehicle with gains.
 
-    plant: "flown" with motor lag, sensors and estimator, or "ideal". estimator and
-    sensors as fly(). height of the hover [m]; delay of the commands [s]."""
+    gains: an export, a file of gains or a design file. plant: "flown" with motor lag,
+    sensors and estimator, or "ideal", the textbook plant with 12 states. estimator and
+    sensors as fly(). height > 0 of the hover [m]. delay >= 0 of the commands [s]. skew: on
+    the ideal plant alone. Raises InvalidInput for unknown words, numbers out of range and
+    gains of another vehicle, NoSolution if a design file has none, FileError if a file
+    cannot be read."""
 @overload
-def margins(*, num: Numbers, den: Numbers, delay: float = 0.0, dt: Optional[float] = None) -> Loop:
+def margins(*, num: Numbers, den: Numbers, delay: float = 0.0, dt: Optional[float] = None, controller: Optional[Controller] = None, cut: Optional[str] = None, skew: float = 0.0) -> Loop:
     """Margins of a transfer function under negative feedback.
 
-    num, den: coefficients in descending powers of s, or of z with dt [s]. delay [s]."""
+    num, den: coefficients in descending powers of s, or of z with dt > 0 [s]: the open
+    loop, or with a controller the plant. delay >= 0 [s], a whole number of samples with
+    dt. cut: with a controller, "inputs" (default) or "outputs" of the plant. skew of
+    the disk margins: 0 balances S and T, 1 is that of S, -1 that of T. Raises InvalidInput
+    for coefficients without a loop, and for numbers out of range."""
 @overload
-def margins(A: npt.ArrayLike, B: npt.ArrayLike, K: npt.ArrayLike, *, cut: str = 'inputs', delay: float = 0.0, dt: Optional[float] = None, sampled: Optional[float] = None) -> Loop:
+def margins(A: npt.ArrayLike, B: npt.ArrayLike, K: npt.ArrayLike, *, cut: str = 'inputs', delay: float = 0.0, dt: Optional[float] = None, sampled: Optional[float] = None, skew: float = 0.0) -> Loop:
     """Margins of u = -K x.
 
-    A and B are continuous; with dt they are discrete; with sampled they are continuous and
-    the input is held for so many seconds. cut: "inputs" or "states"."""
+    A (nx, nx), B (nx, nu), K (nu, nx): continuous; with dt > 0 [s] discrete; with sampled
+    > 0 [s] continuous, and the input is held for so long. cut: "inputs" or "states".
+    delay >= 0 [s], a whole number of samples unless continuous. skew as for a transfer
+    function. Raises InvalidInput for wrong shapes and numbers out of range."""
+@overload
+def margins(A: npt.ArrayLike, B: npt.ArrayLike, *, C: npt.ArrayLike, D: Optional[npt.ArrayLike] = None, controller: Optional[Controller] = None, cut: str = 'inputs', delay: float = 0.0, dt: Optional[float] = None, sampled: Optional[float] = None, skew: float = 0.0) -> Loop:
+    """Margins of a loop A, B, C, D, or of a controller times this plant.
+
+    A (nx, nx), B (nx, nu), C (ny, nx), D (ny, nu) or None for zero; without a controller
+    they are the open loop, with ny = nu. cut: with a controller, "inputs" or "outputs"
+    of the plant. delay, dt, sampled and skew as for a gain; a PID controller of a sampled
+    loop is discretized. Raises InvalidInput for wrong shapes and numbers out of range."""
+@overload
+def margins(*, w: Numbers, G: ComplexNumbers, measured: str = 'loop', controller: Optional[Controller] = None, dt: Optional[float] = None, delay: float = 0.0, skew: float = 0.0) -> MeasuredLoop:
+    """Margins of a measured frequency response.
+
+    w (n): frequencies > 0 [rad/s], increasing, n >= 2. G (n): complex, not 0. measured:
+    "loop" (L, or with a controller the plant), "T" = L/(1 + L) or "S" = 1/(1 + L).
+    dt > 0 [s]: the controller is discrete. delay >= 0 [s] in addition to the measured one.
+    skew as for a transfer function. Between frequencies, log|L| and the phase are linear
+    in log w; nothing is extrapolated. Stability is assumed. Raises InvalidInput for wrong
+    data."""
+@overload
+def margins(*, frd: Path, measured: str = 'loop', controller: Optional[Controller] = None, dt: Optional[float] = None, delay: float = 0.0, skew: float = 0.0) -> MeasuredLoop:
+    """The same of a file.
+
+    frd: a text with one row per frequency. Its first line names the columns: w [rad/s] or
+    f [Hz]; re and im, or mag or mag_db with phase_deg or phase_rad. Raises FileError if it
+    cannot be read, and InvalidInput with "file:line"."""
 
 @overload
 def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional[float] = None, structure: Optional[str] = None, Ms_max: Optional[float] = None, bandwidth: Optional[ByLoop] = None, sensor_delay: Optional[ByLoop] = None, motor_lag: Optional[float] = None, tracking_max: Optional[float] = None, integral: Optional[Names] = None, integrator: Optional[str] = None, free: bool = False) -> Cascade:
     """PID gains for a vehicle's cascade.
 
     method: "flown" (all gains at once on the flown plant) or "loops". plant: "flown"
-    or "ideal". dt: sample period [s]. structure: "pid" or "p-pi". bandwidth [rad/s]
-    and sensor_delay [s]: a number or a dict by loop. integral: loops that have one.
-    integrator: "euler", "backward-euler" or "tustin". free: without the bounds of the
-    published gains. Raises NoSolution with the loop that cannot be had."""
+    or "ideal", the textbook plant. dt > 0: control period [s], by default that of the
+    published gains, or 0.005. structure: "pid" or "p-pi". Ms_max > 1: bound on max
+    |S|. bandwidth > 0 [rad/s] and sensor_delay >= 0 [s]: a number for all loops, or a dict
+    by loop. motor_lag >= 0: time constant [s], by default that of the vehicle.
+    tracking_max > 1: bound on max |value / set point|. integral: loops that have one, by
+    default all. integrator: "euler" (default), "backward-euler" or "tustin". free:
+    without the bounds of the published gains. Raises NoSolution with the loop that cannot
+    be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be
+    read."""
 @overload
-def pid(*, num: Numbers, den: Numbers, delay: float = 0.0, type: str = 'PID', crossover: Optional[float] = None, phase_margin: Optional[float] = None, Tf: Optional[float] = None, rule: Optional[str] = None, tau_c: Optional[float] = None, Ms_max: Optional[float] = None, Mt_max: Optional[float] = None, noise_gain_max: Optional[float] = None) -> Pid:
+def pid(*, num: Numbers, den: Numbers, delay: float = 0.0, type: str = 'PID', crossover: Optional[float] = None, phase_margin: Optional[float] = None, Tf: Optional[float] = None, rule: Optional[str] = None, tau_c: Optional[float] = None, Ms_max: Optional[float] = None, Mt_max: Optional[float] = None, noise_gain_max: Optional[float] = None, dt: Optional[float] = None, integrator: Optional[str] = None) -> Pid:
     """PID gains for a transfer function, in one of three ways.
 
-    crossover [rad/s] with phase_margin [deg]; or rule "amigo", "simc",
-    "ziegler-nichols", "cohen-coon" or "lambda" with tau_c [s]; or the largest
-    integral gain within Ms_max, Mt_max and noise_gain_max. type: "P", "PI", "PD" or
-    "PID". Raises NoSolution with the cause."""
+    num, den: coefficients in descending powers of s; delay >= 0 [s]. crossover > 0 [rad/s]
+    with phase_margin, more than 0 and less than 180 [deg]; or rule "amigo", "simc",
+    "ziegler-nichols", "cohen-coon" or "lambda" with tau_c > 0 [s] of the closed
+    loop; or the largest integral gain with max |S| up to Ms_max > 1, and Mt_max and
+    noise_gain_max as wanted. type: "P", "PI", "PD" or "PID". Tf >= 0 [s] of the
+    filter of the derivative, unless a rule has its own. dt > 0 [s]: also discretize the
+    gains by integrator, "euler", "backward-euler" or "tustin" (default). Raises
+    NoSolution with the cause, InvalidInput for a wrong argument."""
+@overload
+def pid(*, Ku: float, Tu: float, rule: str = 'ziegler-nichols', type: str = 'PID', dt: Optional[float] = None, integrator: Optional[str] = None) -> PidAlone:
+    """PID gains from the limit of stability, without a plant.
+
+    Ku: the gain, not 0, at which a proportional loop oscillates; Tu > 0: the period of
+    that oscillation [s]. rule: "ziegler-nichols", "pessen", "some-overshoot",
+    "no-overshoot" or "tyreus-luyben". type, dt and integrator as for a transfer
+    function. Raises InvalidInput for a wrong argument, and for a rule that does not have
+    the type."""
+@overload
+def pid(*, gains: Numbers, dt: float, integrator: Optional[str] = None) -> PidAlone:
+    """Discretize given PID gains.
+
+    gains: Kp, Ki [1/s], Kd [s] and Tf >= 0 [s], the last of which may be omitted. dt > 0
+    [s] and integrator as for a transfer function. Raises InvalidInput for a wrong
+    argument, and where the integrator makes the filter unstable."""
+
+def place(A: npt.ArrayLike, B: npt.ArrayLike, poles: ComplexNumbers, *, dt: Optional[float] = None) -> PolePlacement:
+    """State feedback u = -K x with given closed-loop poles.
+
+    A (nx, nx), B (nx, nu), poles (nx): real or complex, complex ones in conjugate pairs,
+    repeated ones allowed. dt > 0: the sample period [s] if A and B are discrete, for the
+    printed table alone. With several inputs, each pole is moved by the smallest gain that
+    moves it. A mode that cannot be moved is a result whose status is not "solved" and
+    whose culprit names it. Raises InvalidInput for wrong shapes, entries that are not
+    finite, and a complex pole without its conjugate."""
+
+def schedule(vehicle: VehicleLike, grid: Grid, *, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, method: str = 'continuous', dt: Optional[float] = None, yaw: float = 0.0, convention: str = 'ned', inputs: str = 'rotor-speed', states: Optional[Names] = None, threads: int = 0) -> Schedule:
+    """LQR gains of a vehicle over a grid of flights, on the textbook plant.
+
+    grid: a dict from quantities to increasing values, or "speed=0:0.5:10,
+    yaw_rate=-2:1:2" (first:step:last). Quantities: speed >= 0 [m/s], climb [m/s] upward,
+    yaw_rate [rad/s] clockwise from above, mass > 0 and density > 0 as ratios to those of
+    the vehicle; at most 100000 points. Q: weights >= 0 of the states, then of the
+    integrals; R > 0: of the inputs; one number stands for all, 1 by default. integral:
+    states to integrate. method: "continuous", "discrete" (weights per step) or
+    "sampled" (exact cost), the last two with dt > 0, the sample period [s]. yaw: heading
+    [rad]. convention, inputs and states as linearize(). threads: 0 for one of each
+    processor; the result does not depend on it. Raises NoSolution if no point has a gain,
+    InvalidInput for a wrong argument, FileError if a file cannot be read."""
 
 def tune_kalman(model: Path, logs: List[Path], *, map: Dict[str, str] = {}, truth: Dict[str, str] = {}, method: str = 'ml', fix: Names = [], start: Dict[str, float] = {}, holdout: float = 0.2, gate: float = 0.0, student: float = 0.0, starts: int = 3, budget: Optional[float] = None, profile: bool = False, format: str = '', columns: str = '', rate: Optional[float] = None, seed: int = 1, threads: int = 0) -> TunedKalman:
     """Estimate the noise covariances of a filter from logs of its sensors.
 
     model: a built-in filter model or a file. logs: one file of each flight. map: channels
     of inputs and measurements that have other names in the log. truth: channels of what
-    states truly were. method: "ml" or "als". fix: parameters that stay; start:
-    variances at which the search starts. holdout: share of each log that is kept for the
-    verdict. budget: time of the search [s], which then ends with the best it has."""
+    states truly were. method: "ml" (maximum likelihood) or "als" (autocovariances).
+    fix: parameters that stay; start: variances > 0 at which the search starts. holdout:
+    share of each log that is kept for the verdict, 0 to 0.9. gate > 0: measurements whose
+    squared innovation exceeds it are left out; student > 0: degrees of freedom of the
+    measurement errors; 0 for neither. starts: 1 to 1000 searches. budget > 0: time of the
+    search [s], which then ends with the best it has. profile: intervals by the likelihood
+    profile. format and columns of the logs, rate > 0 [Hz] of logs without times:
+    docs/cli.md. threads: 0 for one of each processor. A problem without fit is a result
+    whose status is "not computed". Raises InvalidInput for a wrong argument, model or
+    log, FileError if a file cannot be read."""
+
+@overload
+def tune_lqr(vehicle: VehicleLike, missions: List[Path] = [], *, requirements: Optional[Path] = None, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, method: str = 'sampled', dt: Optional[float] = None, yaw: float = 0.0, convention: str = 'ned', inputs: Optional[str] = None, states: Optional[Names] = None, separate: bool = False, budget: float = 60.0, evaluations: int = 100000, draws: int = 0, proof: int = 0, measure: str = '', estimator: str = '', sensors: str = '', wind: str = '', duration: Optional[float] = None, seed: int = 1, threads: int = 0) -> TunedLqr:
+    """Search LQR weights over missions, and prove the gains on fresh draws.
+
+    Q: where the search starts: weights >= 0 of the states, then of the integrals; R > 0: of
+    the inputs; one number stands for all, 1 by default; a weight of 0 stays 0. Without Q and
+    R: Bryson's rule, for all states in ned and the wrench. integral: states to integrate.
+    method: "sampled" (exact cost) or "discrete" (weights per step). dt > 0: sample period
+    [s], by default 0.005. yaw: heading of the hover [rad]. convention, inputs and states as
+    linearize(). separate: the weights of x and y, and of roll and pitch, are searched
+    separately. The other arguments, and the exceptions, as tune_pid()."""
+@overload
+def tune_lqr(vehicle: VehicleLike, *, match_gains: Path, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, method: Optional[str] = None, dt: Optional[float] = None, at: Optional[str] = None, speed: Optional[float] = None, climb: Optional[float] = None, radius: Optional[float] = None, yaw_rate: Optional[float] = None, yaw: Optional[float] = None, convention: Optional[str] = None, inputs: Optional[str] = None, states: Optional[Names] = None, tie: List[Names] = [], tolerance: float = 0.001, starts: int = 8, seed: int = 1) -> GainMatch:
+    """Compute diagonal LQR weights that give a known gain.
+
+    match_gains: an export, a file of gains, or a design file with [published] gains, from
+    which absent arguments take their values. Q, R: where the search starts, as for
+    missions; the geometric mean of R is kept, because a gain determines the weights only
+    up to a factor. method: "continuous", "discrete" or "sampled". at to states as
+    linearize(). tie: lists of states, integrals (as int_x) or inputs that share one
+    weight. tolerance > 0: largest difference of an entry that counts as matched, relative
+    to the largest of its row or column. starts: 1 to 1000 searches. A gain that no weights
+    give is a result whose status is "not matched". Raises NoSolution if the gain does
+    not stabilize the plant, InvalidInput for a wrong argument or file, and FileError."""
 
 def tune_pid(vehicle: VehicleLike, missions: List[Path] = [], *, requirements: Optional[Path] = None, gains: str = 'designed', separate: bool = False, budget: float = 60.0, evaluations: int = 100000, draws: int = 0, proof: int = 0, measure: str = '', estimator: str = '', sensors: str = '', wind: str = '', duration: Optional[float] = None, seed: int = 1, threads: int = 0) -> TunedPid:
     """Search the gains of a PID cascade over missions, and prove them on fresh draws.
 
     missions: built-in names or files; or requirements: a file with cost and limits.
-    gains: where the search starts: "designed", "published" or a file. budget: time of
-    the search [s]. draws of each mission for one evaluation; proof: fresh draws.
-    measure of the draws: "mean", "quantile" or "worst"."""
+    gains: where the search starts: "designed", "published" or a file. separate: x and y,
+    and roll and pitch, have gains of their own. budget > 0: time of the search [s];
+    evaluations >= 1: the most points it tries. draws of each mission for one evaluation, 0
+    for those of the requirements or 4; proof: fresh draws, 0 for 24 or as many as a quantile
+    needs. measure of the draws: "mean" (default), "quantile" or "worst". estimator,
+    sensors and wind as fly(); duration > 0 of each flight [s]. threads: 0 for one of each
+    processor. Raises InvalidInput for a wrong argument or file, FileError, and NoSolution if
+    the start is unstable."""
 
 def vehicle(vehicle: VehicleLike) -> Vehicle:
-    """Load a built-in vehicle by name, or a vehicle file."""
+    """Load a built-in vehicle by name, or a vehicle file (TOML).
+
+    Raises InvalidInput with "file:line" for an unknown name or a wrong file, FileError
+    if it cannot be read."""
 
 def vehicles() -> List[str]:
     """Names of the built-in vehicles."""
@@ -1457,5 +2199,7 @@ def vehicles() -> List[str]:
 def verify(directory: Path, *, vehicle: Optional[VehicleLike] = None, design: Optional[Path] = None, arm: bool = False) -> Verification:
     """Read an export back as the flight program would, and check everything in it.
 
-    vehicle: where the manifest's is not built in. design: the design file that it was made
-    from, to solve it again and compare. arm: compile flight code for ARM as well."""
+    directory: of the export. vehicle: where the manifest's is not built in. design: the
+    design file that it was made from, to solve it again and compare. arm: compile flight
+    code for ARM as well. A wrong export is a result with ok == False. Raises InvalidInput
+    for a manifest that cannot be understood, FileError if files cannot be read."""

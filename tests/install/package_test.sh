@@ -73,7 +73,9 @@ has() { [[ " ${names[*]} " == *" $1 "* ]]; }
 
 say "installing what the packages depend on, a compiler and CMake"
 quietly inside apt-get update -q
-quietly inside apt-get install -y -q --no-install-recommends g++ make cmake pkgconf
+tools=(g++ make cmake pkgconf)
+! has python3-quadtune || tools+=(python3-pytest)
+quietly inside apt-get install -y -q --no-install-recommends "${tools[@]}"
 mapfile -t needed < <(inside sh -c 'apt-get -s install --no-install-recommends /root/packages/*.deb' |
   awk '/^Inst / { print $2 }' | grep -vxF -f <(printf '%s\n' "${names[@]}"))
 [ ${#needed[@]} = 0 ] || quietly inside apt-get install -y -q --no-install-recommends "${needed[@]}"
@@ -134,9 +136,27 @@ done
 
 if has python3-quadtune; then
   say "the tests of the Python module"
-  cp -r "$here/../python" "$root/root/work/python_tests"
-  quietly inside sh -c 'cd /root/work/python_tests && python3 -m unittest discover -v'
-  ! grep -q '^Ran 0 tests' "$work/output" || fail "no test of the Python module was found"
+  module=/usr/lib/python3/dist-packages/quadtune
+  for file in __init__.py __init__.pyi py.typed; do
+    [ -f "$root$module/$file" ] || fail "$module/$file is missing"
+  done
+  # What the tests read beside themselves.
+  mkdir -p "$root/root/work/sources/docs" "$root/root/work/sources/tests"
+  (cd "$here/../.." && cp -r campaigns designs python vehicles "$root/root/work/sources")
+  cp -r "$here/../../docs/examples" "$root/root/work/sources/docs"
+  cp -r "$here/../python" "$root/root/work/sources/tests"
+  for test in "$here"/../python/test_*.py; do
+    test=${test##*/}
+    status=0
+    inside env -C /root/work/sources QUADTUNE=/usr/bin/quadtune PYTHONDONTWRITEBYTECODE=1 \
+      OPENBLAS_NUM_THREADS=1 python3 tests/python/run_tests.py "$test" >"$work/output" 2>&1 ||
+      status=$?
+    case $status in
+      0) say "  $test: $(tail -n 1 "$work/output")" ;;
+      77) say "  $test: $(head -n 1 "$work/output")" ;;
+      *) tail -n 60 "$work/output" && fail "$test failed" ;;
+    esac
+  done
 fi
 
 say "removing them"

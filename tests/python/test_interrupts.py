@@ -44,6 +44,8 @@ def interrupted(call, when="pass", folder=None):
     "quadtune.fly('mambo', duration=1e6, log=False)",
     "quadtune.fly('mambo', duration=1e5, seeds=1000, log=False)",
     "quadtune.tune_pid('mambo', ['hover'], budget=1e6)",
+    "quadtune.tune_lqr('mambo', ['hover'], budget=1e6)",
+    "quadtune.schedule('mambo', 'speed=0:0.0001:5')",
 ])
 def test_ctrl_c_ends_a_long_call(call):
     assert interrupted(call) == "interrupted\n"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LQR, Kalman filters and discretization of matrices."""
+"""LQR, LQI, LQG, Kalman filters and discretization of matrices."""
 
 import numpy as np
 import pytest
@@ -37,6 +37,99 @@ def test_lqr_is_that_of_the_program(tmp_path, words, options):
     assert result.riccati.rcond == expected["rcond"]
     assert result.margins.loops[0].Ms == expected["margins"]["loops"][0]["Ms"]
     assert result.margins.loops[0].stable
+
+
+INTEGRATOR = ([[0, 1], [0, 0]], [[0], [1]])
+INTEGRATOR_OPTIONS = ["--A", "0 1; 0 0", "--B", "0; 1"]
+
+
+@pytest.mark.parametrize("words, options", [
+    ({}, []), ({"discrete": True}, ["--discrete"]),
+    ({"discrete": True, "dt": 0.1, "delay": 2}, ["--discrete", "--dt", "0.1", "--delay", "2"]),
+    ({"sampled": 0.05, "delay": 3}, ["--sampled", "0.05", "--delay", "3"])])
+def test_lqr_with_integrals_and_delay_is_that_of_the_program(words, options):
+    A = INTEGRATOR[0] if "discrete" not in words else [[1, 0.1], [0, 1]]
+    given = ["lqr", "--A", "0 1; 0 0" if "discrete" not in words else "1 0.1; 0 1", "--B", "0; 1",
+             "--C", "1 0", "--Q", "2 0 0; 0 1 0; 0 0 0.5", "--R", "0.3", *options]
+    result = quadtune.lqr(A, INTEGRATOR[1], np.diag([2, 1, 0.5]), [[0.3]], C=[[1, 0]], **words)
+    assert_prints_as(result, *given)
+    expected = answer(*given)
+    assert_same(result.K, expected["K"])
+    assert_same(result.K_int, expected["K_int"])
+    delay = words.get("delay", 0)
+    assert result.K.shape == (1, 2) and result.K_int.shape == (1, 1)
+    assert result.K_past.shape == (1, delay)
+    if delay:
+        assert_same(result.K_past, expected["K_past"])
+    if "sampled" in words:
+        for name in "ABQRN":
+            assert_same(getattr(result.sampled, name), expected["sampled"][name])
+    else:
+        assert result.sampled is None
+
+
+@pytest.mark.parametrize("words, where", [
+    ({"delay": 1}, "delay"), ({"delay": -1, "discrete": True}, "delay"),
+    ({"delay": 2001, "discrete": True}, "delay"), ({"D": [[0]]}, "D"), ({"dt": 0.1}, "dt"),
+    ({"dt": 0.0, "discrete": True}, "dt"), ({"evidence": "all"}, "evidence")])
+def test_lqr_names_a_wrong_argument(words, where):
+    with pytest.raises(quadtune.InvalidInput) as refused:
+        quadtune.lqr(*INTEGRATOR, np.eye(2), [[1]], **words)
+    assert refused.value.where == where
+
+
+def test_integrals_need_their_weights():
+    with pytest.raises(quadtune.InvalidInput, match="integrals"):
+        quadtune.lqr(*INTEGRATOR, np.eye(2), [[1]], C=[[1, 0]], sampled=0.1)
+
+
+NOISE = {"noise_Q": [[0.1]], "noise_R": [[0.01]], "G": [[0], [1]]}
+LQG_OPTIONS = ["lqg", *INTEGRATOR_OPTIONS, "--C", "1 0", "--Q", "1 0; 0 1", "--R", "0.5",
+               "--noise-Q", "0.1", "--noise-R", "0.01", "--G", "0; 1"]
+
+
+@pytest.mark.parametrize("words, options", [
+    ({}, ["--continuous"]), ({"sampled": 0.05}, ["--sampled", "0.05"]),
+    ({"sampled": 0.05, "estimate": "delayed"}, ["--sampled", "0.05", "--estimate", "delayed"]),
+    ({"discrete": True, "dt": 0.1}, ["--discrete", "--dt", "0.1"])])
+def test_lqg_is_that_of_the_program(words, options):
+    result = quadtune.lqg(*INTEGRATOR, [[1, 0]], np.eye(2), [[0.5]], **NOISE, **words)
+    assert result.solved and not result.culprit
+    given = [*LQG_OPTIONS, *options]
+    assert_prints_as(result, *given)
+    expected = answer(*given)
+    for name in ("K", "S", "L", "P"):
+        assert_same(getattr(result, name), expected[name])
+    for name in "ABCD":
+        assert_same(getattr(result.controller, name), expected["controller"][name])
+    assert_same_poles(result.poles, expected["poles"])
+    assert_same(result.state_rms, expected["rms"]["states"])
+    assert_same(result.input_rms, expected["rms"]["inputs"])
+    assert result.cost == expected["cost"] and result.dt == (expected["controller"]["dt"] or 0)
+
+
+def test_margins_with_the_controller_of_lqg_are_those_of_lqg():
+    lqg = quadtune.lqg(*INTEGRATOR, [[1, 0]], np.eye(2), [[0.5]], **NOISE, sampled=0.05)
+    loop = quadtune.margins(*INTEGRATOR, C=[[1, 0]], controller=lqg.controller, sampled=0.05)
+    assert loop.margins.loops[0].Ms == pytest.approx(lqg.margins.loops[0].Ms, rel=1e-9)
+
+
+def test_lqg_without_solution_is_a_result():
+    result = quadtune.lqg(np.diag([1.0, -1.0]), [[1], [1]], [[0, 1]], np.eye(2), [[1]], np.eye(2),
+                          [[1]])
+    assert not result.solved and "filter" in result.culprit
+    with pytest.raises(quadtune.NoSolution, match="filter"):
+        result.to_json()
+
+
+@pytest.mark.parametrize("words, where", [
+    ({"estimate": "old", "discrete": True}, "estimate"), ({"estimate": "current"}, "estimate"),
+    ({"discrete": True, "sampled": 0.1}, "sampled"), ({"dt": 0.1}, "dt"),
+    ({"sampled": -0.1}, "sampled")])
+def test_lqg_names_a_wrong_argument(words, where):
+    with pytest.raises(quadtune.InvalidInput) as refused:
+        quadtune.lqg(*INTEGRATOR, [[1, 0]], np.eye(2), [[0.5]], **NOISE, **words)
+    assert refused.value.where == where
 
 
 def test_lqr_of_a_double_integrator_has_its_closed_form():
@@ -97,6 +190,11 @@ def test_kalman_is_that_of_the_program(tmp_path, words, options):
         assert_same(getattr(result, name), expected[name])
     assert_same_poles(result.poles, expected["poles"])
     assert result.residual == expected["residual"]
+    if "sampled" in words:
+        for name in "AQR":
+            assert_same(getattr(result.sampled, name), expected["sampled"][name])
+    else:
+        assert result.sampled is None
 
 
 def test_kalman_without_detection_is_a_result_with_a_status():

@@ -12,7 +12,8 @@ from program import ROOT
 import quadtune
 
 STUBS = ROOT / "python" / "quadtune" / "__init__.pyi"
-ASKED = ["vehicles", "linearize", "lqr", "lqg", "kalman", "discretize", "margins", "pid", "design",
+ASKED = ["vehicles", "linearize", "lqr", "lqg", "kalman", "discretize", "margins", "pid", "design", "place", "analyze",
+         "schedule", "load_schedule", "tune_lqr",
          "fly", "campaign", "tune_kalman", "tune_pid", "certify", "export", "verify"]
 
 
