@@ -71,12 +71,13 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
 }
 
 DesignResult design_file(const Path& file, const std::optional<Path>& directory, bool force,
-                         std::optional<std::uint32_t> seeds, std::uint64_t seed) {
+                         std::optional<std::uint32_t> seeds, std::uint64_t seed,
+                         const std::optional<Names>& to) {
   if (seeds && *seeds < 1) throw OptionError("seeds", "seeds is 0, expected at least 1");
   return long_call([&](const Stop& stop) {
     DesignResult result;
     DesignOutcome& outcome = result.outcome;
-    outcome = run_design(fs::path(file.text));
+    outcome = run_design(fs::path(file.text), to ? to->list : std::vector<std::string>());
     if (seeds && outcome.design.missions.empty())
       throw OptionError("seeds",
                         "seeds requires a [[mission]] to fly, but " + file.text + " has none");
@@ -173,9 +174,12 @@ void add_design(py::module_& module) {
         return report::design_text(result.outcome, result.diagnoses, result.written);
       });
   module.def("design", &design_file, "file"_a, py::kw_only(), "directory"_a = py::none(),
-             "force"_a = false, "seeds"_a = py::none(), "seed"_a = 1,
-             "The whole way of a design file: trim, linearize, synthesize, fly, export,\n"
-             "verify.\n\n"
+             "force"_a = false, "seeds"_a = py::none(), "seed"_a = 1, "to"_a = py::none(),
+             "Trim, linearize, compute gains, fly missions, export and verify, as a design\n"
+             "file says, or for the usual cascade of a vehicle.\n\n"
+             "file: a design file, a vehicle file or a built-in vehicle. to: for a vehicle, the\n"
+             "names of the exports, by default json and c; the gains are designed for a\n"
+             "firmware among them.\n"
              "directory: where exports and pages are written if the design passes; with force\n"
              "whatever the outcome. seeds >= 1: flights of each mission, by default 5; seed:\n"
              "of the first. A design that fails is a result with passed == False and its\n"

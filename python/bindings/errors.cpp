@@ -35,6 +35,7 @@ void raise(PyObject* type, const std::string& message, const std::string& where)
 
 /// An option of the command line as the keyword argument of the same name: "input_delay".
 std::string keyword(std::string option) {
+  if (option == "for") return "for_firmware";  // "for" is a word of the language
   std::replace(option.begin(), option.end(), '-', '_');
   return option;
 }

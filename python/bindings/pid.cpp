@@ -161,7 +161,9 @@ VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
                           const std::optional<ByLoop>& bandwidth,
                           const std::optional<ByLoop>& sensor_delay, Number motor_lag,
                           Number tracking_max, const std::optional<Names>& integral,
-                          const std::optional<std::string>& integrator, bool free) {
+                          const std::optional<std::string>& integrator, bool free,
+                          const std::optional<std::string>& for_firmware,
+                          const std::string& firmware, const std::string& setup) {
   const auto text = [](const std::optional<ByLoop>& by_loop) {
     return by_loop ? std::optional(by_loop->text) : std::nullopt;
   };
@@ -178,6 +180,9 @@ VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
   if (integral) options.integral = integral->list.empty() ? "none" : integral->joined();
   options.integrator = integrator;
   if (free) options.use_published = false;
+  options.for_firmware = for_firmware;
+  options.firmware.version = firmware;
+  options.firmware.setup = setup;
   return long_call(
       [&](const Stop&) { return vehicle_cascade(load_vehicle(word.text), options, word.text); });
 }
@@ -306,7 +311,8 @@ void add_cascade(py::module_& module) {
       "dt"_a = py::none(), "structure"_a = py::none(), "Ms_max"_a = py::none(),
       "bandwidth"_a = py::none(), "sensor_delay"_a = py::none(), "motor_lag"_a = py::none(),
       "tracking_max"_a = py::none(), "integral"_a = py::none(), "integrator"_a = py::none(),
-      "free"_a = false, py::prepend(),
+      "free"_a = false, "for_firmware"_a = py::none(), "firmware"_a = "", "setup"_a = "",
+      py::prepend(),
       "PID gains for a vehicle's cascade.\n\n"
       "method: \"flown\" (all gains at once on the flown plant) or \"loops\". plant: \"flown\"\n"
       "or \"ideal\", the textbook plant. dt > 0: control period [s], by default that of the\n"
@@ -315,7 +321,9 @@ void add_cascade(py::module_& module) {
       "by loop. motor_lag >= 0: time constant [s], by default that of the vehicle.\n"
       "tracking_max > 1: bound on max |value / set point|. integral: loops that have one, by\n"
       "default all. integrator: \"euler\" (default), \"backward-euler\" or \"tustin\". free:\n"
-      "without the bounds of the published gains. Raises NoSolution with the loop that cannot\n"
+      "without the bounds of the published gains. for_firmware: \"px4\", \"ardupilot\",\n"
+      "\"betaflight\" or \"crazyflie\", whose loops must have margins as well, with its version\n"
+      "firmware and, for a Crazyflie, its setup. Raises NoSolution with the loop that cannot\n"
       "be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be\n"
       "read.");
 }

@@ -81,6 +81,7 @@ def test_a_wrong_argument_without_a_plant_is_named(words, where):
     ({"method": "loops", "dt": 0.005}, ["--method", "loops", "--dt", "0.005"]),
     ({"bandwidth": {"roll": 25.5, "x": 2}, "integral": ["x", "y", "altitude"]},
      ["--bandwidth", "roll=25.5,x=2", "--integral", "x,y,altitude"]),
+    ({"for_firmware": "px4", "firmware": "1.15"}, ["--for", "px4", "--firmware", "1.15"]),
 ])
 def test_the_cascade_of_a_vehicle_is_that_of_the_program(words, options):
     cascade = quadtune.pid("mambo", **words)
@@ -113,6 +114,8 @@ def test_a_wrong_argument_is_named(words, where):
     ({"method": "best"}, "method"),
     ({"bandwidth": {"rol": 20}}, "bandwidth"),
     ({"structure": "pi"}, "structure"),
+    ({"for_firmware": "px5"}, "for_firmware"),
+    ({"setup": "legacy"}, "setup"),
 ])
 def test_a_wrong_word_of_a_cascade_is_named(words, where):
     with pytest.raises(quadtune.InvalidInput) as refused:
