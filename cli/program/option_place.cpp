@@ -16,12 +16,13 @@ namespace {
 bool names_no_input(const std::string& where, const CommandLine& line) {
   if (where.starts_with("--")) return where.find(", --") != std::string::npos;
   const bool plain = std::all_of(where.begin(), where.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == ' ';
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == ' ';
   });
   if (!plain) return false;
+  // A method has the name of its function.
   for (const Option* option : line.options())
     for (const std::string& value : option->values())
-      if (value == where) return false;
+      if (value == where && option != line.find("--method")) return false;
   return true;
 }
 

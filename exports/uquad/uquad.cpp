@@ -157,7 +157,7 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
         same_names(names_or_numbers(gains.integrals, std::ssize(gains.integrals)), set.integrals))
       return set;
   throw InvalidInput("uquad",
-                     fmt::format("states {} with integrals '{}' fit no build, expected one of {}",
+                     fmt::format("states {} with integrals '{}' fit no build, expected those of {}",
                                  names(gains.states), names(gains.integrals), all_in_words()));
 }
 

@@ -37,7 +37,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
   const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
   const std::size_t letters = word.size() - dashes;
   if (letters < 4) return best;
-  std::size_t min = letters / 3 + 1;  // up to a third of the letters may differ
+  std::size_t min = (letters + 1) / 3 + 1;  // up to a third of the letters may differ
   for (const std::string& candidate : known) {
     const std::size_t distance = are_swapped(word, candidate) ? 1 : edit_distance(word, candidate);
     if (distance < min) {

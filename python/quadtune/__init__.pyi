@@ -1874,10 +1874,13 @@ def compare_methods(vehicle: VehicleLike, dt: float, *, plant: str = 'flown') ->
     "ideal". Raises InvalidInput for a wrong argument, NoSolution if the vehicle has no
     loops to compare, FileError if its file cannot be read."""
 
-def design(file: Path, *, directory: Optional[Path] = None, force: bool = False, seeds: Optional[int] = None, seed: int = 1) -> Design:
-    """The whole way of a design file: trim, linearize, synthesize, fly, export,
-    verify.
+def design(file: Path, *, directory: Optional[Path] = None, force: bool = False, seeds: Optional[int] = None, seed: int = 1, to: Optional[Names] = None) -> Design:
+    """Trim, linearize, compute gains, fly missions, export and verify, as a design
+    file says, or for the usual cascade of a vehicle.
 
+    file: a design file, a vehicle file or a built-in vehicle. to: for a vehicle, the
+    names of the exports, by default json and c; the gains are designed for a
+    firmware among them.
     directory: where exports and pages are written if the design passes; with force
     whatever the outcome. seeds >= 1: flights of each mission, by default 5; seed:
     of the first. A design that fails is a result with passed == False and its
@@ -2067,7 +2070,7 @@ def margins(*, frd: Path, measured: str = 'loop', controller: Optional[Controlle
     cannot be read, and InvalidInput with "file:line"."""
 
 @overload
-def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional[float] = None, structure: Optional[str] = None, Ms_max: Optional[float] = None, bandwidth: Optional[ByLoop] = None, sensor_delay: Optional[ByLoop] = None, motor_lag: Optional[float] = None, tracking_max: Optional[float] = None, integral: Optional[Names] = None, integrator: Optional[str] = None, free: bool = False) -> Cascade:
+def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional[float] = None, structure: Optional[str] = None, Ms_max: Optional[float] = None, bandwidth: Optional[ByLoop] = None, sensor_delay: Optional[ByLoop] = None, motor_lag: Optional[float] = None, tracking_max: Optional[float] = None, integral: Optional[Names] = None, integrator: Optional[str] = None, free: bool = False, for_firmware: Optional[str] = None, firmware: str = '', setup: str = '') -> Cascade:
     """PID gains for a vehicle's cascade.
 
     method: "flown" (all gains at once on the flown plant) or "loops". plant: "flown"
@@ -2077,7 +2080,9 @@ def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional
     by loop. motor_lag >= 0: time constant [s], by default that of the vehicle.
     tracking_max > 1: bound on max |value / set point|. integral: loops that have one, by
     default all. integrator: "euler" (default), "backward-euler" or "tustin". free:
-    without the bounds of the published gains. Raises NoSolution with the loop that cannot
+    without the bounds of the published gains. for_firmware: "px4", "ardupilot",
+    "betaflight" or "crazyflie", whose loops must have margins as well, with its version
+    firmware and, for a Crazyflie, its setup. Raises NoSolution with the loop that cannot
     be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be
     read."""
 @overload
@@ -2153,13 +2158,13 @@ def tune_kalman(model: Path, logs: List[Path], *, map: Dict[str, str] = {}, trut
 def tune_lqr(vehicle: VehicleLike, missions: List[Path] = [], *, requirements: Optional[Path] = None, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, method: str = 'sampled', dt: Optional[float] = None, yaw: float = 0.0, convention: str = 'ned', inputs: Optional[str] = None, states: Optional[Names] = None, separate: bool = False, budget: float = 60.0, evaluations: int = 100000, draws: int = 0, proof: int = 0, measure: str = '', estimator: str = '', sensors: str = '', wind: str = '', duration: Optional[float] = None, seed: int = 1, threads: int = 0) -> TunedLqr:
     """Search LQR weights over missions, and prove the gains on fresh draws.
 
-    Q: where the search starts: weights >= 0 of the states, then of the integrals; R > 0: of
-    the inputs; one number stands for all, 1 by default; a weight of 0 stays 0. Without Q and
-    R: Bryson's rule, for all states in ned and the wrench. integral: states to integrate.
-    method: "sampled" (exact cost) or "discrete" (weights per step). dt > 0: sample period
-    [s], by default 0.005. yaw: heading of the hover [rad]. convention, inputs and states as
-    linearize(). separate: the weights of x and y, and of roll and pitch, are searched
-    separately. The other arguments, and the exceptions, as tune_pid()."""
+    Q: where the search starts: weights >= 0 of the states, then of the integrals; R > 0:
+    of the inputs; one number stands for all, 1 by default; a weight of 0 stays 0. Without
+    Q and R: Bryson's rule, for all states in ned and the wrench. integral: states to
+    integrate. method: "sampled" (exact cost) or "discrete" (weights per step). dt > 0:
+    sample period [s], by default 0.005. yaw: heading of the hover [rad]. convention,
+    inputs and states as linearize(). separate: the weights of x and y, and of roll and
+    pitch, are searched separately. The other arguments, and the exceptions, as tune_pid()."""
 @overload
 def tune_lqr(vehicle: VehicleLike, *, match_gains: Path, Q: Optional[Numbers] = None, R: Optional[Numbers] = None, integral: Optional[Names] = None, method: Optional[str] = None, dt: Optional[float] = None, at: Optional[str] = None, speed: Optional[float] = None, climb: Optional[float] = None, radius: Optional[float] = None, yaw_rate: Optional[float] = None, yaw: Optional[float] = None, convention: Optional[str] = None, inputs: Optional[str] = None, states: Optional[Names] = None, tie: List[Names] = [], tolerance: float = 0.001, starts: int = 8, seed: int = 1) -> GainMatch:
     """Compute diagonal LQR weights that give a known gain.
@@ -2177,15 +2182,15 @@ def tune_lqr(vehicle: VehicleLike, *, match_gains: Path, Q: Optional[Numbers] = 
 def tune_pid(vehicle: VehicleLike, missions: List[Path] = [], *, requirements: Optional[Path] = None, gains: str = 'designed', separate: bool = False, budget: float = 60.0, evaluations: int = 100000, draws: int = 0, proof: int = 0, measure: str = '', estimator: str = '', sensors: str = '', wind: str = '', duration: Optional[float] = None, seed: int = 1, threads: int = 0) -> TunedPid:
     """Search the gains of a PID cascade over missions, and prove them on fresh draws.
 
-    missions: built-in names or files; or requirements: a file with cost and limits.
-    gains: where the search starts: "designed", "published" or a file. separate: x and y,
-    and roll and pitch, have gains of their own. budget > 0: time of the search [s];
+    missions: built-in names or files; or requirements: a file with cost and limits. gains:
+    where the search starts: "designed", "published" or a file. separate: x and y, and
+    roll and pitch, have gains of their own. budget > 0: time of the search [s];
     evaluations >= 1: the most points it tries. draws of each mission for one evaluation, 0
-    for those of the requirements or 4; proof: fresh draws, 0 for 24 or as many as a quantile
-    needs. measure of the draws: "mean" (default), "quantile" or "worst". estimator,
-    sensors and wind as fly(); duration > 0 of each flight [s]. threads: 0 for one of each
-    processor. Raises InvalidInput for a wrong argument or file, FileError, and NoSolution if
-    the start is unstable."""
+    for those of the requirements or 4; proof: fresh draws, 0 for 24 or as many as a
+    quantile needs. measure of the draws: "mean" (default), "quantile" or "worst".
+    estimator, sensors and wind as fly(); duration > 0 of each flight [s]. threads: 0 for
+    one of each processor. Raises InvalidInput for a wrong argument or file, FileError, and
+    NoSolution if the start is unstable."""
 
 def vehicle(vehicle: VehicleLike) -> Vehicle:
     """Load a built-in vehicle by name, or a vehicle file (TOML).

@@ -239,7 +239,7 @@ TEST(Fly, TellsTheBoundOfTheSensors) {
     }
   EXPECT_TRUE(told);
   EXPECT_THAT(run_program({"fly", "uquad", "--duration", "30"}).out,
-              HasSubstr("instead of 0.05 m"));
+              HasSubstr("limit 0.05 m widened to"));
   for (const auto& more : {std::pair("--estimator", "truth"), std::pair("--sensors", "ideal")}) {
     const Json known = flown({"fly", "uquad", "--duration", "30", more.first, more.second});
     EXPECT_FALSE(known.contains("sensor_bound"));

@@ -73,7 +73,7 @@ TEST_F(VerifyManifest, FlyAndDiffNoteAChangedFileOnce) {
     return result.err;
   };
   const std::vector<std::string> fly = {"fly",        "mambo", "--gains",   out,
-                                        "--duration", "1",     "--sensors", "ideal"};
+                                        "--duration", "30",    "--sensors", "ideal"};
   EXPECT_THAT(notes({"diff", out, out}), Not(HasSubstr("does not match")));
   EXPECT_THAT(notes(fly), Not(HasSubstr("does not match")));
   const Json manifest = Json::parse(folder_.read("out-mambo-hover/manifest.json"));

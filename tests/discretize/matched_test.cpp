@@ -167,7 +167,7 @@ TEST(DiscretizeMatched, RefusesMoreThanOneChannel) {
   p.B = MatrixXd{{1}, {1}};
   EXPECT_THAT([&] { (void)discretize_matched(p, 0.1); },
               ThrowsMessage<InvalidInput>(HasSubstr(
-                  "matched: the plant has 1 inputs and 2 outputs, expected one of each because "
+                  "matched: the plant has 1 input and 2 outputs, expected one of each because "
                   "zeros belong to a channel")));
   p.C = MatrixXd{{1, 0}};
   EXPECT_THAT([&] { (void)discretize_matched(p, -0.1); },

@@ -167,7 +167,7 @@ TEST(DiscretizeZoh, RefusesBadPeriods) {
 
 TEST(DiscretizeZoh, RefusesBadPlants) {
   EXPECT_THAT([] { (void)discretize_zoh(plant(MatrixXd::Zero(2, 3), MatrixXd::Zero(2, 1)), 1); },
-              ThrowsMessage<InvalidInput>(HasSubstr("zoh: A is 2x3, expected 2x2")));
+              ThrowsMessage<InvalidInput>(HasSubstr("zoh: A is 2x3, expected a square matrix")));
   EXPECT_THAT([] { (void)discretize_zoh(plant(MatrixXd::Zero(2, 2), MatrixXd::Zero(3, 1)), 1); },
               ThrowsMessage<InvalidInput>(HasSubstr("zoh: B is 3x1, expected 2 rows")));
   MatrixXd A = MatrixXd::Zero(2, 2);

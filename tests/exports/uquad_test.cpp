@@ -112,8 +112,8 @@ TEST(Uquad, SaysWhichBuildsExist) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refusal(numbered(reduced, {"z"}),
-          "states z psi phi theta vqz wqx wqy wqz with integrals 'z' fit no build, expected one of "
-          "K.txt (z psi phi theta vqz wqx wqy wqz), K_prop.txt + K_int.txt");
+          "states z psi phi theta vqz wqx wqy wqz with integrals 'z' fit no build, expected those "
+          "of one of K.txt, K_prop.txt, K_full.txt, K_prop_full.txt");
   Gains gains = numbered(full, {});
   gains.convention = "ned";
   refusal(gains, "the gain is in the convention 'ned', expected 'uquad'");

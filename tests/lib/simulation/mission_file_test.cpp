@@ -384,7 +384,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"NotATable", "hover = 1\n" + kHead,
                 "m.toml:1: hover is 1, expected one table, [hover]"},
         Refusal{"NotAListOfTables", kHead + "[references]\nat_s = 0\n",
-                "m.toml:3: references is a table, expected a list of tables: [[references]]"},
+                "m.toml:3: references is a table, expected a list of tables, each under "
+                "[[references]]"},
         Refusal{"EmptyReferences", "references = []\n" + kHead,
                 "m.toml:1: [[references]] is empty, expected at least one"},
         Refusal{"EmptyMotors", "motors = []\n" + kHead,

@@ -220,7 +220,7 @@ TEST(CalibrateImu, LeavesOutOutliers) {
 TEST(CalibrateImu, NamesThePosesToAddToTooFew) {
   const SensorCalibration c = calibrate_imu({simulate_imu({.poses = 5}).log}).accelerometer;
   EXPECT_EQ(c.status, CalibrationStatus::not_observable);
-  EXPECT_THAT(c.culprit, HasSubstr("5 poses; expected at least 10"));
+  EXPECT_THAT(c.culprit, HasSubstr("5 poses, expected at least 10"));
   EXPECT_THAT(c.missing, Contains("x up"));
   EXPECT_THAT(c.missing, Contains("x down"));
   EXPECT_TRUE(c.M.hasNaN() && c.b.hasNaN());
@@ -233,7 +233,7 @@ TEST(CalibrateImu, NamesThePosesToAddToNone) {
   EXPECT_TRUE(c.poses.empty());
   for (const SensorCalibration* sensor : {&c.accelerometer, &c.magnetometer}) {
     EXPECT_EQ(sensor->status, CalibrationStatus::not_observable);
-    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses; expected at least 10"));
+    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses, expected at least 10"));
     EXPECT_THAT(sensor->missing, Contains("x up"));
     EXPECT_TRUE(sensor->M.hasNaN() && sensor->refused.empty());
   }

@@ -208,9 +208,10 @@ TEST(NoiseFit, RejectsTooFewMeasurementsAndBadOptions) {
   record.time.resize(2);
   record.y = record.y.leftCols(2).eval();
   record.u = record.u.leftCols(2).eval();
-  EXPECT_THAT([&] { (void)fit_noise(InnovationLikelihood(testing::local_level(), {record}), {}); },
-              ThrowsMessage<InvalidInput>(StrEq(
-                  "fit: there are 1 measurements for 2 parameters; expected at least as many")));
+  EXPECT_THAT(
+      [&] { (void)fit_noise(InnovationLikelihood(testing::local_level(), {record}), {}); },
+      ThrowsMessage<InvalidInput>(StrEq(
+          "fit: the log has 1 measurement for 2 free parameters, expected at least as many")));
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   EXPECT_THAT([&] { (void)fit_noise(likelihood, {.starts = 0}); },
               ThrowsMessage<InvalidInput>(StrEq("fit: starts is 0, expected at least 1")));
