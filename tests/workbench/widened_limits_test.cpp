@@ -105,7 +105,8 @@ TEST(WidenedLimits, AreWhatAFlightIsJudgedBy) {
   flight.verdict = judge(plan.setup.mission, values);
   EXPECT_FALSE(flight.verdict.ok);
   ASSERT_EQ(reasons(flight).size(), 1U);
-  EXPECT_THAT(reasons(flight)[0], ::testing::HasSubstr("because the sensors alone cause 0.333 m rms"));
+  EXPECT_THAT(reasons(flight)[0],
+              ::testing::HasSubstr("because the sensors alone cause 0.333 m rms"));
 }
 
 }  // namespace

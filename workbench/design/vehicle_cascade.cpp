@@ -68,8 +68,8 @@ std::vector<Firmware> firmware_of(const CascadeOptions& options) {
     for (const auto& [key, value] :
          {std::pair{"firmware", details.version}, std::pair{"setup", details.setup}})
       if (!value.empty())
-        throw OptionError(key,
-                          fmt::format("{} is given without a firmware, expected --for as well", key));
+        throw OptionError(
+            key, fmt::format("{} is given without a firmware, expected --for as well", key));
     return {};
   }
   const auto as_option = [](const char* key, const auto& read) {

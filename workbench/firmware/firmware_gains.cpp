@@ -33,13 +33,14 @@ class BoundSearch {
   /// The bound for the next design, smaller than that of the last one.
   /// @param Ms  of the firmware's loop in the last design
   double next(double Ms) {
-    // Ms - 1 is roughly proportional to the bandwidth; later, the last two designs tell more.
-    double next = 1 + (target_ - 1) / (Ms - 1) * (asked_ - 1);
-    if (last_Ms_ > Ms) next = asked_ + (target_ - Ms) * (asked_ - last_asked_) / (Ms - last_Ms_);
+    // Ms - 1 is roughly proportional to the bandwidth. Later, the secant through the last two
+    // designs is more accurate.
+    double bound = 1 + (target_ - 1) / (Ms - 1) * (asked_ - 1);
+    if (last_Ms_ > Ms) bound = asked_ + (target_ - Ms) * (asked_ - last_asked_) / (Ms - last_Ms_);
     last_asked_ = asked_;
     last_Ms_ = Ms;
     const double from = asked_ - 1;
-    return asked_ = std::max(1.05, 1 + std::clamp(next - 1, 0.5 * from, 0.98 * from));
+    return asked_ = std::max(1.05, 1 + std::clamp(bound - 1, 0.5 * from, 0.98 * from));
   }
 
  private:

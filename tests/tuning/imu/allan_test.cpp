@@ -130,8 +130,9 @@ TEST(AllanDeviation, RejectsInvalidInput) {
       ThrowsMessage<InvalidInput>(HasSubstr("means over 51 samples were requested of 100")));
   EXPECT_THAT([&] { (void)analyse_allan(rate, 1); },
               ThrowsMessage<InvalidInput>(HasSubstr("expected noise")));
-  EXPECT_THAT([&] { (void)analyse_allan(rate.head(20), 1); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the log has 20 samples, expected at least 64")));
+  EXPECT_THAT(
+      [&] { (void)analyse_allan(rate.head(20), 1); },
+      ThrowsMessage<InvalidInput>(HasSubstr("the log has 20 samples, expected at least 64")));
   rate(41) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT([&] { (void)allan_deviation(rate, 1, {1}); },
               ThrowsMessage<InvalidInput>(
