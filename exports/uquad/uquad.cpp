@@ -45,13 +45,6 @@ std::vector<int> columns(const std::vector<Signal>& signals,
   return result;
 }
 
-std::string describe(const UquadFileSet& set) {
-  if (set.integral.empty())
-    return fmt::format("{} ({})", set.proportional, internal::joined(set.states, " "));
-  return fmt::format("{} + {} ({}; integrals {})", set.proportional, set.integral,
-                     internal::joined(set.states, " "), internal::joined(set.integrals, " "));
-}
-
 std::string all_in_words() {
   std::vector<std::string> words;
   for (const UquadFileSet& set : uquad_file_sets()) words.push_back(set.proportional);
