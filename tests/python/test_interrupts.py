@@ -11,11 +11,15 @@ import pytest
 
 import quadtune
 
+# A shell starts background jobs with SIGINT ignored, and a process inherits that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 # The call would take hours. A thread that waits for the lock of the interpreter sends the signal;
 # with this switch interval it has the lock only once the call has released it.
 SCRIPT = """
 import os, signal, sys, threading
 import quadtune
+signal.signal(signal.SIGINT, signal.default_int_handler)
 begun = threading.Event()
 
 def interrupt():
