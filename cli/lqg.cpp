@@ -59,7 +59,7 @@ MatrixLqgProblem read_problem(const Options& options, Context& context) {
 void run_matrices(const CommandLine& line, const Options& options, Context& context) {
   const MatrixFiles& files = options.matrices;
   if (!options.common.plant.vehicle.empty())
-    refuse("lqg", "V", "a vehicle and matrices were both given, expected one or the other");
+    refuse("lqg", "V", "a vehicle and matrices were given together, expected only one of them");
   line.refuse_given({"--integral", "--change", "--past", "--estimator", "--sensors", "--height",
                      "--time", "--recover", "--noise-budget"},
                     "applies to a vehicle only");

@@ -124,7 +124,8 @@ NamedLoop gain_matrix_loop(const Options& options, std::istream& in) {
            "--C and --D cannot be combined with --K, which is a gain on the states; a gain on the "
            "outputs is --controller-D");
   if (options.controller.given())
-    refuse("margins", "--K", "--K cannot be combined with a controller, expected one of them");
+    refuse("margins", "--K",
+           "--K cannot be combined with a controller, expected only one of the two");
   GainLoopOptions gain;
   gain.time = time_of(options.time, options.dt);
   gain.dt = options.time.sampled.value_or(options.dt.value_or(0));
@@ -174,10 +175,9 @@ void require_one_loop(const Options& options, const CommandLine& line) {
   if (int{options.has_fraction()} + int{options.has_matrices()} + int{options.has_vehicle()} +
           int{!options.frd.empty()} !=
       1)
-    refuse(
-        "margins", "V",
-        "expected one of --num and --den, or --A, --B and --K, or --A, --B and --C, or --frd, or "
-        "a vehicle with --gains");
+    refuse("margins", "V",
+           "expected one loop: --num and --den; --A, --B and --K; --A, --B and --C; --frd; or a "
+           "vehicle with --gains");
   if (options.has_vehicle() && options.controller.given())
     refuse("margins", "V",
            "a vehicle cannot be combined with a controller, because its gains are "

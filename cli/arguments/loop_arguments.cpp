@@ -48,7 +48,7 @@ std::optional<LoopController> controller_of(const ControllerArguments& arguments
   const bool pid = !arguments.pid.empty();
   if (int{fraction} + int{matrices} + int{pid} > 1)
     refuse(verb, pid ? "--pid" : "--controller-num",
-           "more than one controller was given, expected one of --controller-num and "
+           "more than one controller was given, expected only one: either --controller-num and "
            "--controller-den, --controller-A to --controller-D, or --pid");
   LoopController controller;
   if (pid) {

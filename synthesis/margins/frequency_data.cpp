@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "margins/crossover_margins.hpp"
 #include "margins/disk.hpp"
 #include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
@@ -106,18 +107,7 @@ void compute_crossovers(const DataCurve& curve, LoopMargins& margins) {
   });
   const auto by_frequency = [](const auto& a, const auto& b) { return a.w < b.w; };
   std::sort(margins.phase_crossovers.begin(), margins.phase_crossovers.end(), by_frequency);
-  for (const PhaseCrossover& at : margins.phase_crossovers) {
-    if (at.gain_margin > 1) margins.gain_margin = std::min(margins.gain_margin, at.gain_margin);
-    if (at.gain_margin < 1)
-      margins.gain_reduction = std::max(margins.gain_reduction, at.gain_margin);
-  }
-  for (const GainCrossover& at : margins.gain_crossovers) {
-    margins.delay_margin = std::min(margins.delay_margin, at.delay_margin);
-    if (std::abs(at.phase_margin) >= std::abs(margins.phase_margin)) continue;
-    margins.phase_margin = at.phase_margin;
-    margins.crossover = at.w;
-  }
-  if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
+  internal::set_margins_of_crossovers(margins);
 }
 
 /// The maximum of |S + offset| of the interpolated curve.

@@ -13,6 +13,7 @@
 #include <ostream>
 
 #include "margins/channel_response.hpp"
+#include "margins/crossover_margins.hpp"
 #include "margins/disk.hpp"
 #include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
@@ -283,19 +284,7 @@ LoopMargins margins_of(const ChannelResponse& channel, double skew) {
   margins.stable = channel.stable;
   margins.gain_crossovers = gain_crossovers(response);
   margins.phase_crossovers = phase_crossovers(response);
-  for (const PhaseCrossover& at : margins.phase_crossovers) {
-    if (at.gain_margin > 1) margins.gain_margin = std::min(margins.gain_margin, at.gain_margin);
-    if (at.gain_margin < 1)
-      margins.gain_reduction = std::max(margins.gain_reduction, at.gain_margin);
-  }
-  for (const GainCrossover& at : margins.gain_crossovers) {
-    margins.delay_margin = std::min(margins.delay_margin, at.delay_margin);
-    if (std::abs(at.phase_margin) >= std::abs(margins.phase_margin)) continue;
-    margins.phase_margin = at.phase_margin;
-    margins.crossover = at.w;
-  }
-  // The magnitude, lag or lead; the sign is in gain_crossovers.
-  if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
+  internal::set_margins_of_crossovers(margins);
   shorten(margins);
   const Peak S = response.peak(0), T = response.peak(-1);  // |T| = |1 - S|
   margins.Ms = S.value;

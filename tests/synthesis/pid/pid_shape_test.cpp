@@ -6,6 +6,8 @@
 #include <random>
 
 #include "pid/loop_shape.hpp"
+#include "quadtune/synthesis/margins.hpp"
+#include "quadtune/synthesis/open_loop.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -134,6 +136,8 @@ TEST(LoopShape, ClosedFormAgreesWithFollowingTheArgument) {
     EXPECT_EQ(shape.stable(gains), std::round(right) == 0)
         << i << ": " << right << ", " << gains << ", delay " << plant.delay << "\nnum "
         << plant.num.transpose() << "\nden " << plant.den.transpose();
+    // margins() counts the roots that cross the axis as the delay increases from 0.
+    EXPECT_EQ(shape.stable(gains), loop_margins(OpenLoop(loop)).stable) << i;
     stable += std::round(right) == 0;
     ++compared;
   }
