@@ -15,7 +15,7 @@ namespace quadtune {
 
 /// Computes flown_gains() whose roll, pitch and yaw loops also satisfy `options.bounds.Ms` as the
 /// firmwares fly them: with the firmware's filters at their defaults, its delay and the motor lag
-/// (firmware_turns()). A group that does not is designed again with a smaller bound, at most six
+/// (firmware_turns()). A group that does not is designed again with a smaller bound, at most eight
 /// times; what is still exceeded then is reported in the notes.
 /// @param vehicle    valid
 /// @param firmwares  any number; the structure is p_pi if one of them needs it
