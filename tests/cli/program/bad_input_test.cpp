@@ -310,7 +310,7 @@ std::vector<Mistake> command_line_mistakes() {
        {"--method", "tustn", "tustin"},
        {{"A", "1\n"}}},
       {"NoLoop", {"margins"}, 2, {"a vehicle", "--num and --den", "--gains"}},
-      {"TwoLoops", {"margins", "uquad", "--num", "1", "--den", "1,1"}, 2, {"expected one of"}},
+      {"TwoLoops", {"margins", "uquad", "--num", "1", "--den", "1,1"}, 2, {"expected one loop"}},
       {"NoDenominator", {"margins", "--num", "1"}, 2, {"--den is missing"}},
       {"LeadingZero",
        {"margins", "--num", "1", "--den", "0,1,1"},
