@@ -18,6 +18,7 @@
 #include "quadtune/export_target.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/gains.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -60,8 +61,10 @@ Eigen::MatrixXd read_weight(const TomlTable& table, const std::string& key, Eige
   }
   const Eigen::VectorXd diagonal = table.vector(key, range);
   if (diagonal.size() != size)
-    throw InvalidInput(table.where(key), fmt::format("{} has {} entries, expected {} ({})", name,
-                                                     diagonal.size(), size, names));
+    throw InvalidInput(
+        table.where(key),
+        fmt::format("{} has {}, expected {} ({})", name,
+                    internal::counted(diagonal.size(), "entry", "entries"), size, names));
   return diagonal.asDiagonal();
 }
 

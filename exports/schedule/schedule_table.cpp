@@ -9,6 +9,7 @@
 
 #include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "schedule/schedule_parts.hpp"
@@ -20,8 +21,9 @@ namespace {
 void require_size(Eigen::Index came, std::size_t expected, const char* name, const char* of,
                   const std::string& where) {
   if (came != static_cast<Eigen::Index>(expected))
-    throw InvalidInput(where, fmt::format("{} has {} entries, expected {}, one for each {}", name,
-                                          came, expected, of));
+    throw InvalidInput(where,
+                       fmt::format("{} has {}, expected {}, one for each {}", name,
+                                   internal::counted(came, "entry", "entries"), expected, of));
 }
 
 }  // namespace

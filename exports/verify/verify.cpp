@@ -291,8 +291,8 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
 std::string trim_difference(const char* name, const std::vector<Signal>& signals,
                             const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
   if (found.size() != expected.size())
-    return fmt::format("{} has {} entries, the vehicle's trim has {}", name, found.size(),
-                       expected.size());
+    return fmt::format("{} has {}, the vehicle's trim has {}", name,
+                       internal::counted(found.size(), "entry", "entries"), expected.size());
   Eigen::Index worst = 0;
   const double largest = (found - expected).cwiseAbs().maxCoeff(&worst);
   if (largest <= kTrimTolerance * std::max(1.0, expected.cwiseAbs().maxCoeff())) return "";

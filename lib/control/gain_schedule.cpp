@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/grid_cell.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -171,8 +172,9 @@ Gains GainSchedule::gains(Eigen::Index point) const {
 
 ScheduledGain GainSchedule::at(const Eigen::Ref<const Eigen::VectorXd>& values) const {
   if (values.size() != static_cast<Eigen::Index>(axes.size()))
-    throw InvalidInput("schedule", fmt::format("got {} values, expected {}, one for each axis",
-                                               values.size(), axes.size()));
+    throw InvalidInput("schedule",
+                       fmt::format("got {}, expected {}, one for each axis",
+                                   internal::counted(values.size(), "value"), axes.size()));
   ScheduledGain result;
   std::vector<internal::GridPlace<double>> places;
   places.reserve(axes.size());

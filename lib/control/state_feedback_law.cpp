@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune {
 namespace {
@@ -82,9 +83,10 @@ FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains
     throw InvalidInput("gains", fmt::format("{} integrals, expected at most {}, one for each state",
                                             gains.integrals.size(), kMaxIntegrals));
   if (gains.K.rows() != inputs)
-    throw InvalidInput("gains", fmt::format("K has {} rows, expected {}, one for each input of "
-                                            "'{}'",
-                                            gains.K.rows(), inputs, vehicle.name));
+    throw InvalidInput("gains",
+                       fmt::format("K has {}, expected {}, one for each input of "
+                                   "'{}'",
+                                   internal::counted(gains.K.rows(), "row"), inputs, vehicle.name));
   FeedbackTransformation result;
   // The inverse of a signed permutation is its transpose.
   result.inputs = input_from_ned(words, gains.input_kind, rotors).transpose();

@@ -10,6 +10,7 @@
 #include "quadtune/estimation/inertial_filter.hpp"
 #include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -157,9 +158,10 @@ class TermReader {
       return VectorXd::Constant(count, table.number("variance", Range::positive()));
     VectorXd values = table.vector("variance", Range::positive());
     if (values.size() != count)
-      throw InvalidInput(table.where("variance"),
-                         fmt::format("variance in {} has {} entries, expected {} or one number",
-                                     table.title(), values.size(), count));
+      throw InvalidInput(
+          table.where("variance"),
+          fmt::format("variance in {} has {}, expected {} or one number", table.title(),
+                      internal::counted(values.size(), "entry", "entries"), count));
     return values;
   }
 
@@ -168,10 +170,9 @@ class TermReader {
     if (table.has("parameter") && chosen.size() != 1)
       throw InvalidInput(
           table.where("parameter"),
-          fmt::format(
-              "parameter in {} names one parameter for {} entries, expected kind = \"shared\", or "
-              "a table for each entry",
-              table.title(), chosen.size()));
+          fmt::format("parameter in {} names one parameter for {}, expected kind = \"shared\", or "
+                      "a table for each entry",
+                      table.title(), internal::counted(chosen.size(), "entry", "entries")));
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       ScaledCovariance term{shape_of({chosen[i]}), 0};
       term.parameter = add_parameter(table, table.text_or("parameter", name_of({chosen[i]})),
@@ -256,8 +257,9 @@ void read_initial(const TomlTable& table, FilterModel& model) {
   const auto sized = [&](const std::string& key, const Range& range) {
     VectorXd values = table.vector(key, range);
     if (values.size() != nx)
-      throw InvalidInput(table.where(key), fmt::format("{} in {} has {} entries, expected {}", key,
-                                                       table.title(), values.size(), nx));
+      throw InvalidInput(table.where(key),
+                         fmt::format("{} in {} has {}, expected {}", key, table.title(),
+                                     internal::counted(values.size(), "entry", "entries"), nx));
     return values;
   };
   if (table.has("x")) model.x0 = sized("x", Range::any());

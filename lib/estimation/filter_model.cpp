@@ -10,6 +10,7 @@
 #include <set>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -215,8 +216,9 @@ void validate(const FilterModel& model, const std::string& where) {
   require_shape(model.P0, nx, nx, where, "the initial covariance", "one row per state");
   require_covariance(model.P0, "the initial covariance", where);
   if (static_cast<Index>(model.diffuse.size()) != nx)
-    throw InvalidInput(where, fmt::format("diffuse has {} entries, expected {}, one per state",
-                                          model.diffuse.size(), nx));
+    throw InvalidInput(
+        where, fmt::format("diffuse has {}, expected {}, one per state",
+                           internal::counted(model.diffuse.size(), "entry", "entries"), nx));
   for (Index i = 0; i < nx; ++i)
     if (model.diffuse[static_cast<std::size_t>(i)] && !model.P0.row(i).isZero(0))
       throw InvalidInput(where, fmt::format("state '{}' is diffuse and has an initial covariance, "

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune::internal {
@@ -89,8 +90,8 @@ Eigen::MatrixXd matrix_from_json(const Json& json, const std::string& where) {
     if (i == 0) M.resize(M.rows(), row.size());
     if (row.size() != M.cols())
       throw InvalidInput(fmt::format("{}[{}]", where, i),
-                         fmt::format("has {} entries, expected {} as in the rows before it",
-                                     row.size(), M.cols()));
+                         fmt::format("has {}, expected {} as in the rows before it",
+                                     internal::counted(row.size(), "entry", "entries"), M.cols()));
     M.row(static_cast<Eigen::Index>(i)) = row.transpose();
   }
   return M;

@@ -10,6 +10,7 @@
 
 #include "logs/log_titles.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -185,8 +186,9 @@ void require_usable(const LogSeries& series, const std::string& where, std::size
                                           "row of it is empty or NaN",
                                           printable(series.name)));
   if (series.values.size() < min)
-    throw InvalidInput(where, fmt::format("'{}' has {} samples, expected {} or more",
-                                          printable(series.name), series.values.size(), min));
+    throw InvalidInput(where,
+                       fmt::format("'{}' has {}, expected {} or more", printable(series.name),
+                                   internal::counted(series.values.size(), "sample"), min));
   const auto step = std::adjacent_find(series.time.begin(), series.time.end(),
                                        [](double a, double b) { return !(a < b); });
   if (step != series.time.end())

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -42,8 +43,9 @@ Signals read_signals(const TomlTable& file, const std::string& key,
                                  known = names_or_numbers(ned, std::ssize(ned));
   if (entries.size() != ned.size())
     throw InvalidInput(file.where(key),
-                       fmt::format("{} has {} entries, expected {}, one for each of {}", key,
-                                   entries.size(), ned.size(), internal::joined(known, ", ")));
+                       fmt::format("{} has {}, expected {}, one for each of {}", key,
+                                   internal::counted(entries.size(), "entry", "entries"),
+                                   ned.size(), internal::joined(known, ", ")));
   Signals read;
   read.from_ned.setZero(std::ssize(ned), std::ssize(ned));
   for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -49,8 +50,8 @@ Eigen::Vector3d axes(const TomlTable& table, const std::string& key,
   const Eigen::VectorXd values = table.vector(key, range);
   if (values.size() != count)
     throw InvalidInput(table.where(key),
-                       fmt::format("{} in {} has {} entries, expected {} or one number", key,
-                                   table.title(), values.size(), count));
+                       fmt::format("{} in {} has {}, expected {} or one number", key, table.title(),
+                                   internal::counted(values.size(), "entry", "entries"), count));
   Eigen::Vector3d result = fallback;
   for (int i = 0; i < count; ++i) result(i) = values(i);
   return result;

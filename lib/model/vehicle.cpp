@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/model/inertia.hpp"
 
 namespace quadtune {
@@ -56,8 +57,9 @@ void check_motor(const MotorCommand& motor, std::size_t rotors, const Checker& c
   check.within(motor.delay, kMaxCommandDelay, "command delay", "s");
   check.within(motor.delay_jitter, kMaxCommandDelay, "command jitter", "s");
   if (!motor.direction.empty() && motor.direction.size() != rotors)
-    check.refuse(fmt::format("motor direction has {} entries, expected {}, one per rotor",
-                             motor.direction.size(), rotors));
+    check.refuse(fmt::format("motor direction has {}, expected {}, one per rotor",
+                             internal::counted(motor.direction.size(), "entry", "entries"),
+                             rotors));
   for (const int sign : motor.direction)
     if (sign != 1 && sign != -1)
       check.refuse(fmt::format("motor direction has {}, expected 1 or -1", sign));

@@ -10,6 +10,7 @@
 #include "model/spread_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -275,8 +276,8 @@ std::vector<int> read_directions(const TomlTable& table, std::size_t rotors) {
   if (directions.size() != rotors)
     throw InvalidInput(
         table.where("direction"),
-        fmt::format("direction in [motor] has {} entries, expected {}, one per rotor",
-                    directions.size(), rotors));
+        fmt::format("direction in [motor] has {}, expected {}, one per rotor",
+                    internal::counted(directions.size(), "entry", "entries"), rotors));
   return directions;
 }
 

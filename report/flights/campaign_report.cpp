@@ -91,7 +91,7 @@ std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
 /// The strongest significant trends.
 std::string sensitivities_text(const CaseStatistics& of) {
   constexpr std::size_t kMax = 8;
-  Cells cells = {{"  depends on", "figure", "rank correlation"}};
+  Cells cells = {{"  depends on", "metric", "rank correlation"}};
   for (const Sensitivity& s : of.sensitivities) {
     if (cells.size() > kMax) break;
     if (surely_not_zero(s.correlation))

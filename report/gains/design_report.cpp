@@ -173,7 +173,7 @@ std::string flown_text(const FlownLaw& law) {
   if (!law.problem.empty()) what += (law.loop ? "\n" : "") + law.problem;
   std::string text = section("flown loop", what);
   if (law.loop && !law.loop->margins.loops.empty())
-    text += section("its margins", to_text(law.loop->margins));
+    text += section("margins of the flown loop", to_text(law.loop->margins));
   return text;
 }
 

@@ -92,7 +92,7 @@ std::string to_text(const MarginsReport& report) {
   if (all.alpha == 0) return text + "\nall at once  UNSTABLE";
   return text + fmt::format(
                     "\nall at once  disk alpha {:.3f} at {:.3g} rad/s: {} dB and {:.1f} deg in "
-                    "every loop together; alpha {:.3f} can destabilize",
+                    "every loop together; some change of alpha {:.3f} makes it unstable",
                     all.alpha, all.w, figure(decibels(all.gain_high), ".1f"), degrees(all.phase),
                     report.together->alpha_destabilizing);
 }

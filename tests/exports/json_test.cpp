@@ -54,7 +54,7 @@ TEST(Json, RefusalsNameThePath) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)))
         << text;
   };
-  refusal("[[1, 2], [3]]", "a.json: K[1]: has 1 entries, expected 2");
+  refusal("[[1, 2], [3]]", "a.json: K[1]: has 1 entry, expected 2");
   refusal("[[1, \"2\"]]", "a.json: K[0][1]: is \"2\", expected a finite number");
   refusal("[[1, null]]", "a.json: K[0][1]: is null, expected a finite number");
   refusal("3", "a.json: K: is number, expected an array of rows");

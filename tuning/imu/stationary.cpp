@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune {
 namespace {
@@ -92,8 +93,8 @@ void require_column(const ImuLog& log, const Eigen::Ref<const Eigen::MatrixXd>& 
   if (values.cols() == 0) return;
   if (values.cols() != log.t.size())
     throw InvalidInput(log.name,
-                       fmt::format("the {} has {} samples; expected {}, as many as there are times",
-                                   name, values.cols(), log.t.size()));
+                       fmt::format("the {} has {}; expected {}, as many as there are times", name,
+                                   internal::counted(values.cols(), "sample"), log.t.size()));
   for (Index i = 0; i < values.cols(); ++i)
     if (!values.col(i).allFinite())
       throw InvalidInput(log.name, fmt::format("sample {} of the {} is not finite", i + 1, name));
@@ -130,10 +131,10 @@ StationaryDetection find_stationary(const ImuLog& log, const StationaryOptions& 
   // represent.
   const double wanted = std::max(double(kMinWindow), std::round(options.window / period));
   if (!(wanted * kMinWindows <= double(samples)))
-    throw InvalidInput(log.name,
-                       fmt::format("has {} samples; expected at least {:.15g}, ten "
-                                   "windows of {:.3g} s at {:.4g} s per sample",
-                                   samples, kMinWindows * wanted, options.window, period));
+    throw InvalidInput(log.name, fmt::format("has {}; expected at least {:.15g}, ten "
+                                             "windows of {:.3g} s at {:.4g} s per sample",
+                                             internal::counted(samples, "sample"),
+                                             kMinWindows * wanted, options.window, period));
   const auto length = static_cast<Index>(wanted);
   const Index count = samples / length;
   const Windows accelerometer(log.accelerometer, length, count);
@@ -171,10 +172,10 @@ StationaryDetection find_stationary(const ImuLog& log, const StationaryOptions& 
 StartUpOffset start_up_offset(const ImuLog& log, const StationaryDetection& still) {
   constexpr Index kSamples = StartUpOffset::kSamples, kParts = 16;
   if (log.gyroscope.cols() < kSamples)
-    throw InvalidInput(
-        log.name, fmt::format("has {} samples of the gyroscope; expected at least {}, which the "
-                              "flight program averages before it starts",
-                              log.gyroscope.cols(), kSamples));
+    throw InvalidInput(log.name,
+                       fmt::format("has {} of the gyroscope; expected at least {}, which the "
+                                   "flight program averages before it starts",
+                                   internal::counted(log.gyroscope.cols(), "sample"), kSamples));
   Eigen::Matrix<double, 3, kParts> parts;
   for (Index i = 0; i < kParts; ++i)
     parts.col(i) =

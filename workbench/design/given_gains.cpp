@@ -11,6 +11,7 @@
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
@@ -20,11 +21,10 @@ Gains published_gains(const Design& design, const std::string& path) {
   const LqrDesign& lqr = *design.lqr;  // [published] requires [lqr]
   const PublishedGains& published = *design.published;
   if (published.K.rows() != std::ssize(lqr.inputs))
-    throw InvalidInput(
-        path,
-        fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
-                    "weights are computed from the whole gain",
-                    published.K.rows(), lqr.inputs.size(), internal::joined(lqr.inputs, " ")));
+    throw InvalidInput(path, fmt::format("published.K has {}, expected {} (inputs: {}) because "
+                                         "weights are computed from the whole gain",
+                                         internal::counted(published.K.rows(), "row"),
+                                         lqr.inputs.size(), internal::joined(lqr.inputs, " ")));
   Gains gains;
   gains.K = published.K;
   gains.K_int = published.K_int;

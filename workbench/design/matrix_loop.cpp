@@ -273,8 +273,9 @@ FrequencyData parse_frequency_data(const std::string& text, const std::string& o
       continue;
     }
     if (words.size() != columns.count)
-      throw InvalidInput(where, fmt::format("{} entries, expected {}, as in the first line",
-                                            words.size(), columns.count));
+      throw InvalidInput(
+          where, fmt::format("{}, expected {}, as in the first line",
+                             internal::counted(words.size(), "entry", "entries"), columns.count));
     std::vector<double> row;
     for (const std::string& word : words) {
       double value = 0;

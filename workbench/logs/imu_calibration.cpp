@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
 #include "quadtune/workbench/logs/missing_option.hpp"
@@ -93,8 +94,8 @@ class SensorWishes {
 
 void require_three(const std::optional<ChannelNames>& names, const char* sensor) {
   if (names && !names->empty() && names->size() != 3)
-    throw OptionError(sensor, fmt::format("{} lists {} columns, expected 3 (x,y,z) or none", sensor,
-                                          names->size()));
+    throw OptionError(sensor, fmt::format("{} lists {}, expected 3 (x,y,z) or none", sensor,
+                                          internal::counted(names->size(), "column")));
 }
 
 ImuLog read_log(const std::string& path, const ImuLogOptions& options,

@@ -14,6 +14,7 @@
 #include "logs/formats/log_lines.hpp"
 #include "logs/log_clock.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::internal {
@@ -144,8 +145,8 @@ class ReplayReader final : public LogReader {
     }
     const std::size_t expected = groups()[found->second].channels.size();
     if (count == expected) return found->second;
-    skip(
-        fmt::format("{} has {} values, expected {} as in previous lines", sensor, count, expected));
+    skip(fmt::format("{} has {}, expected {} as in previous lines", sensor,
+                     internal::counted(count, "value"), expected));
     return std::nullopt;
   }
 

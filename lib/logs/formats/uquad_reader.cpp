@@ -13,6 +13,7 @@
 #include "logs/log_clock.hpp"
 #include "logs/log_titles.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -126,8 +127,9 @@ std::unique_ptr<LogReader> open_uquad_log(ByteStream stream, const LogOptions& o
   const bool with_period = columns == kTimes + 1 + kReadings;
   if (!with_period && columns != kTimes + kReadings)
     throw InvalidInput(stream.name() + ":1",
-                       fmt::format("has {} columns, expected {} or {} of the uquad's imu_raw.log",
-                                   columns, kTimes + kReadings, kTimes + 1 + kReadings));
+                       fmt::format("has {}, expected {} or {} of the uquad's imu_raw.log",
+                                   internal::counted(columns, "column"), kTimes + kReadings,
+                                   kTimes + 1 + kReadings));
   LogOptions named = options;
   named.columns = {{"t_s", "s", "1", 1}, {"t_us", "us", "2", 1e6}};
   if (with_period) named.columns.push_back({"T_us", "us", "3", 0});

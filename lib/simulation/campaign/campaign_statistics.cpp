@@ -90,7 +90,7 @@ Estimated mean_of(std::span<const double> x, double& deviation) {
 
 std::string end_of(const CampaignRecord& record) {
   if (record.end == FlightEnd::completed)
-    return record.passed ? "completed" : "completed beyond limits";
+    return record.passed ? "completed" : "completed, limits exceeded";
   if (record.end == FlightEnd::diverged) return record.reason;
   return "safety exit: " + record.reason;
 }

@@ -8,6 +8,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -97,7 +98,8 @@ void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {
   const std::vector<std::string> names = table.texts("quantities");
   if (names.size() < 2)
     throw InvalidInput(table.where("quantities"),
-                       fmt::format("quantities has {} entries, expected 2 or more", names.size()));
+                       fmt::format("quantities has {}, expected 2 or more",
+                                   internal::counted(names.size(), "entry", "entries")));
   const double value = table.number("value", {-1, Range::Bound::open, 1, Range::Bound::open});
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {

@@ -363,7 +363,7 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
           "f.toml:11: 'thrst' is not an uncertain quantity of this file, expected some of mass, "
           "thrust, drag; did you mean 'thrust'?");
   refuses(three + "[[correlation]]\nquantities = [\"mass\"]\nvalue = 0.5\n",
-          "quantities has 1 entries, expected 2 or more");
+          "quantities has 1 entry, expected 2 or more");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 1\n",
           "more than -1 and less than 1");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrust\", \"drag\"]\nvalue = -0.6\n",
