@@ -163,8 +163,8 @@ int run() {
       {"the same with bounded errors", [](const Vehicle& v) { return textbook_lqr(v, true); }},
       {"PX4's structure and defaults", px4_defaults},
   };
-  print_table(fmt::format("of {} flights pass", kMissions.size() * kSeeds), rows, passed);
-  print_table(fmt::format("of {} flights of another vehicle than believed pass",
+  print_table(fmt::format("flights that pass, of {}", kMissions.size() * kSeeds), rows, passed);
+  print_table(fmt::format("flights of a vehicle that differs from its model that pass, of {}",
                           3 * variations().size() * kSeeds),
               rows, passed_with_variations);
   return 0;

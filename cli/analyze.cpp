@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune analyze: poles, zeros, gain at rest and norms of a linear system.
 #include "arguments/loop_arguments.hpp"
-#include "matrix_verbs.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/design/system_report.hpp"
+#include "quadtune/workbench/systems/system_report.hpp"
 #include "report/loops/matrix_loops.hpp"
 
 namespace quadtune::cli {

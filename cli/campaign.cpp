@@ -187,7 +187,7 @@ void replay(const CommandLine& line, Options& options, Context& context) {
 
 // --- their options ---
 
-constexpr char kPlanned[] = "folder into which `campaign init` wrote the plan";
+constexpr char kPlanned[] = "the folder into which `campaign init` wrote the plan";
 
 void add_init_options(CommandLine& line, Options& options) {
   line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
@@ -207,7 +207,7 @@ void add_status_options(CommandLine& line, Options& options) {
 }
 
 void add_merge_options(CommandLine& line, Options& options) {
-  line.add_option("DIR", options.folder, "folder in which all shards have been flown");
+  line.add_option("DIR", options.folder, "the folder in which all shards have been flown");
 }
 
 void add_run_options(CommandLine& line, Options& options) {

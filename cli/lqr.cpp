@@ -12,7 +12,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/design/matrix_lqr.hpp"
+#include "quadtune/workbench/systems/matrix_lqr.hpp"
 #include "report/gains/gains.hpp"
 #include "report/loops/matrix_loops.hpp"
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "arguments/matrix_arguments.hpp"
-#include "matrix_verbs.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

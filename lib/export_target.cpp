@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/export_target.hpp"
+#include "quadtune/design/export_target.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <array>
 #include <utility>
 
+#include "quadtune/design/flight_code_options.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/flight_code_options.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"

@@ -16,7 +16,7 @@ import sys
 FOLDERS = ['lib', 'linearize', 'discretize', 'synthesis', 'tuning', 'exports', 'workbench', 'report',
            'cli', 'tests']
 # Folders whose sources are compiled one by one: the verbs, and the fuzz targets.
-ONE_BY_ONE = ['cli', 'tests/fuzz']
+ONE_BY_ONE = ['cli', 'cli/tune', 'tests/fuzz']
 
 # Definitions as clang-format writes them, at the start of a line.
 DEFINITION = [

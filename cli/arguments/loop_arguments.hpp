@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "quadtune/lti.hpp"
-#include "quadtune/workbench/design/matrix_loop.hpp"
+#include "quadtune/workbench/systems/matrix_loop.hpp"
 
 namespace quadtune::cli {
 

@@ -12,7 +12,6 @@
 #include <ostream>
 #include <sstream>
 
-#include "matrix_verbs.hpp"
 #include "program/command_line.hpp"
 #include "program/missing_file.hpp"
 #include "program/option_place.hpp"

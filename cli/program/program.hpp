@@ -174,6 +174,8 @@ Verb lqr_verb();
 Verb kalman_verb();
 Verb discretize_verb();
 Verb margins_verb();
+Verb analyze_verb();
+Verb place_verb();
 Verb pid_verb();
 Verb fly_verb();
 Verb compare_verb();

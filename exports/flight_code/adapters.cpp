@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "flight_code/source_text.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 
 namespace quadtune::exports {

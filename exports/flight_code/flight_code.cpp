@@ -14,9 +14,9 @@
 #include "flight_code/schedule_program.hpp"
 #include "flight_code/source_text.hpp"
 #include "json/to_json.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "export_text.hpp"
 #include "flight_code/adapters.hpp"
+#include "flight_code/compiled/process.hpp"
 #include "flight_code/flight_recording.hpp"
-#include "flight_code/process.hpp"
 #include "flight_code/program_settings.hpp"
 #include "flight_code/schedule_program.hpp"
 #include "flight_code/scratch_folder.hpp"

@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "flight_code/adapters.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/included_estimator.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/simulation/designed_controller.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/simulation/uquad_flight.hpp"

@@ -12,9 +12,9 @@
 #include "flight_code/c_structure.hpp"
 #include "flight_code/source_text.hpp"
 #include "quadtune/convention.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/schedule_table.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/simulation/random.hpp"
 

@@ -182,8 +182,8 @@ void require_usable(const LogSeries& series, const std::string& where, std::size
     throw InvalidInput(where, fmt::format("'{}' has no time, expected a time column or a rate",
                                           printable(series.name)));
   if (series.values.empty())
-    throw InvalidInput(where, fmt::format("'{}' has no samples, expected at least one: every "
-                                          "row of it is empty or NaN",
+    throw InvalidInput(where, fmt::format("'{}' has no samples, expected at least one: no row "
+                                          "of it holds a number",
                                           printable(series.name)));
   if (series.values.size() < min)
     throw InvalidInput(where,

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "flights.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/campaign/campaign_folder.hpp"
@@ -11,7 +10,8 @@
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/campaign/campaign_run.hpp"
 #include "report/flights/flights.hpp"
-#include "topics.hpp"
+#include "support/interrupts.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

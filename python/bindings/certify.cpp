@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/verify/uncertain_range.hpp"
 #include "report/loops/loops.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

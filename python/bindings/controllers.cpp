@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "arguments.hpp"
 #include "quadtune/errors.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

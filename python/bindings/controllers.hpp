@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
-#include "arguments.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
-#include "quadtune/workbench/design/matrix_loop.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
+#include "quadtune/workbench/systems/matrix_loop.hpp"
+#include "support/arguments.hpp"
 
 namespace quadtune::python {
 

@@ -6,14 +6,13 @@
 #include <filesystem>
 
 #include "flights.hpp"
-#include "interrupts.hpp"
+#include "quadtune/design/export_target.hpp"
+#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/exports/schedule_table.hpp"
-#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
@@ -23,7 +22,8 @@
 #include "quadtune/workbench/verify/verify_directory.hpp"
 #include "report/flights/flights.hpp"
 #include "report/gains/gains.hpp"
-#include "topics.hpp"
+#include "support/interrupts.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -7,8 +7,8 @@
 #include "quadtune/synthesis/riccati.hpp"
 #include "quadtune/workbench/design/margins_report.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -4,8 +4,6 @@
 
 #include <variant>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "plants.hpp"
 #include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
@@ -18,8 +16,10 @@
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "report/gains/gains.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -6,12 +6,12 @@
 #include <tuple>
 #include <variant>
 
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "report/flights/flights.hpp"
-#include "topics.hpp"
+#include "support/interrupts.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

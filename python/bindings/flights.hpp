@@ -4,11 +4,11 @@
 
 #include <optional>
 
-#include "arguments.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/diagnosis.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
-#include "results.hpp"
+#include "support/arguments.hpp"
+#include "support/results.hpp"
 
 namespace quadtune::python {
 

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "plants.hpp"
 #include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
@@ -13,8 +11,10 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/gains/gains.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

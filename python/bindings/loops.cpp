@@ -7,23 +7,23 @@
 #include <cmath>
 #include <variant>
 
-#include "arguments.hpp"
 #include "controllers.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/matrix_checks.hpp"
-#include "quadtune/synthesis/step_response.hpp"
+#include "quadtune/synthesis/pid/step_response.hpp"
 #include "quadtune/transfer_function.hpp"
-#include "quadtune/workbench/design/matrix_loop.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
-#include "real.hpp"
+#include "quadtune/workbench/systems/matrix_loop.hpp"
 #include "report/loops/matrix_loops.hpp"
 #include "report/plots/loop_panels.hpp"
 #include "report/text/print.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/real.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

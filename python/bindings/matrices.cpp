@@ -2,17 +2,17 @@
 /// LQR, LQI and Kalman filters of matrices.
 #include <fmt/format.h>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/kalman.hpp"
-#include "quadtune/workbench/design/matrix_lqr.hpp"
+#include "quadtune/workbench/systems/matrix_lqr.hpp"
 #include "report/gains/gains.hpp"
 #include "report/loops/matrix_loops.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -2,16 +2,16 @@
 /// Margins of measured frequency responses.
 #include <fmt/format.h>
 
-#include "arguments.hpp"
 #include "controllers.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/design/matrix_loop.hpp"
-#include "real.hpp"
+#include "quadtune/workbench/systems/matrix_loop.hpp"
 #include "report/loops/matrix_loops.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/real.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -4,8 +4,6 @@
 
 #include <variant>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "plants.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
@@ -15,8 +13,10 @@
 #include "quadtune/workbench/missions/mission_tuning.hpp"
 #include "quadtune/workbench/missions/pid_tuning.hpp"
 #include "report/missions/mission_tuning_report.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

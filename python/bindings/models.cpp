@@ -9,8 +9,8 @@
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"
 #include "report/loops/loops.hpp"
 #include "report/vehicles/vehicle_report.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "errors.hpp"
 #include "quadtune/version.hpp"
-#include "topics.hpp"
+#include "support/errors.hpp"
+#include "support/topics.hpp"
 
 PYBIND11_MODULE(_quadtune, module) {
   module.doc() = "Control gains for small multirotors: the commands of quadtune as functions.";

@@ -4,20 +4,20 @@
 
 #include <fmt/format.h>
 
-#include "arguments.hpp"
 #include "controllers.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/synthesis/ultimate_rules.hpp"
-#include "quadtune/workbench/design/pid_report.hpp"
+#include "quadtune/synthesis/pid/ultimate_rules.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
-#include "real.hpp"
+#include "quadtune/workbench/systems/pid_report.hpp"
 #include "report/loops/loops.hpp"
 #include "report/loops/matrix_loops.hpp"
 #include "report/text/print.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/real.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "arguments.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"
+#include "support/arguments.hpp"
 
 namespace quadtune::python {
 

@@ -5,18 +5,18 @@
 #include <type_traits>
 #include <variant>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/sampling/method_comparison.hpp"
 #include "quadtune/workbench/sampling/sampled_plant.hpp"
-#include "real.hpp"
 #include "report/loops/loops.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/real.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

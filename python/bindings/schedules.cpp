@@ -2,16 +2,16 @@
 /// Gain schedules.
 #include <fmt/format.h>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "plants.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/workbench/schedule/schedule_axes.hpp"
 #include "quadtune/workbench/schedule/schedule_report.hpp"
 #include "report/gains/gains.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

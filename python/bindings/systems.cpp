@@ -5,17 +5,17 @@
 #include <cmath>
 #include <variant>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/pole_placement.hpp"
 #include "quadtune/transfer_function.hpp"
-#include "quadtune/workbench/design/system_report.hpp"
-#include "real.hpp"
+#include "quadtune/workbench/systems/system_report.hpp"
 #include "report/loops/matrix_loops.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/real.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

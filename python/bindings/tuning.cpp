@@ -4,16 +4,16 @@
 
 #include <map>
 
-#include "arguments.hpp"
-#include "interrupts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/logs/filter_choice.hpp"
 #include "quadtune/workbench/logs/tuned_noise.hpp"
 #include "report/logs/logs.hpp"
-#include "results.hpp"
-#include "topics.hpp"
+#include "support/arguments.hpp"
+#include "support/interrupts.hpp"
+#include "support/results.hpp"
+#include "support/topics.hpp"
 
 namespace quadtune::python {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/campaign/campaign_statistics.hpp"
 #include "quadtune/simulation/metric.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/version.hpp"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "quadtune/internal/json.hpp"
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 #include "quadtune/workbench/campaign/campaign_folder.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/campaign/campaign_run.hpp"

@@ -7,9 +7,9 @@
 
 #include "quadtune/control/pid.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/design/matrix_loop.hpp"
-#include "quadtune/workbench/design/matrix_lqr.hpp"
-#include "quadtune/workbench/design/system_report.hpp"
+#include "quadtune/workbench/systems/matrix_loop.hpp"
+#include "quadtune/workbench/systems/matrix_lqr.hpp"
+#include "quadtune/workbench/systems/system_report.hpp"
 #include "report/gains/gains.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"

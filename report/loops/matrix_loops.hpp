@@ -9,7 +9,7 @@
 #include "quadtune/control/pid_method.hpp"
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/lti.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 #include "quadtune/synthesis/pole_placement.hpp"
 
 namespace quadtune {

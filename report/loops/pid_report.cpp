@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/pid_report.hpp"
+#include "quadtune/workbench/systems/pid_report.hpp"
 
 #include <fmt/format.h>
 

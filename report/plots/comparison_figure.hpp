@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/synthesis/step_response.hpp"
+#include "quadtune/synthesis/pid/step_response.hpp"
 #include "report/plots/figure.hpp"
 
 namespace quadtune::report {

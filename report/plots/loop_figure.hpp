@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/plots/figure.hpp"
 

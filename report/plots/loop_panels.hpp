@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "quadtune/synthesis/margins.hpp"
-#include "quadtune/synthesis/step_response.hpp"
+#include "quadtune/synthesis/pid/step_response.hpp"
 #include "report/plots/figure.hpp"
 
 namespace quadtune::report {

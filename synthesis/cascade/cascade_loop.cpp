@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/cascade_loop.hpp"
+#include "quadtune/synthesis/pid/cascade_loop.hpp"
 
 #include <fmt/format.h>
 

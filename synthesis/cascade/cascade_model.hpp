@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "quadtune/frequency_response.hpp"
-#include "quadtune/synthesis/cascade_loop.hpp"
+#include "quadtune/synthesis/pid/cascade_loop.hpp"
 
 namespace quadtune::internal {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/pid_cascade.hpp"
+#include "quadtune/synthesis/pid/pid_cascade.hpp"
 
 #include <fmt/format.h>
 

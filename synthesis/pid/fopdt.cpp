@@ -8,7 +8,7 @@
 
 #include "margins/loop_grid.hpp"
 #include "quadtune/discretize/zoh.hpp"
-#include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/synthesis/pid/pid_rules.hpp"
 
 namespace quadtune {
 namespace {

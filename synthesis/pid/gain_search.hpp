@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pid/gain_gaps.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 
 namespace quadtune::internal {
 

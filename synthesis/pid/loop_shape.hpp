@@ -6,7 +6,7 @@
 #include <complex>
 #include <vector>
 
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 #include "quadtune/transfer_function.hpp"
 
 namespace quadtune::internal {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/pid_optimum.hpp"
+#include "quadtune/synthesis/pid/pid_optimum.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
-#include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/synthesis/pid/pid_rules.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/synthesis/pid/pid_rules.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/step_response.hpp"
+#include "quadtune/synthesis/pid/step_response.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/ultimate_rules.hpp"
+#include "quadtune/synthesis/pid/ultimate_rules.hpp"
 
 #include <fmt/format.h>
 

@@ -107,7 +107,8 @@ TEST(Link, RefusesWrongCommandLines) {
           "you mean 'simulink'?",
           "--firmware");
   refused("link encode --firmware native", 2,
-          "quadtune link encode: command: is empty, expected for the firmware native: "
+          "quadtune link encode: command: is empty, expected one of the commands of the firmware "
+          "native: "
           "takeoff, land, move, turn, flip",
           "command");
   refused("link encode hight -1 --firmware simulink", 2, "did you mean 'height'?", "command");
@@ -222,10 +223,11 @@ TEST(LinkSend, NamesWhatCannotBeReached) {
 }
 
 TEST(LinkSend, SendsNowhereByDefault) {
-  refused("link send land --firmware simulink", 2,
-          "quadtune link send: --to is missing, expected address and port of one vehicle, such as "
-          "192.168.3.1:12391",
-          "--to");
+  refused(
+      "link send land --firmware simulink", 2,
+      "quadtune link send: --to is missing, expected the address and port of one vehicle, such as "
+      "192.168.3.1:12391",
+      "--to");
   for (const char* to : {"255.255.255.255:6000", "0.0.0.0:6000", "224.0.0.1:6000", "mambo:6000",
                          "192.168.99.255:6000", "192.168.99.3", "192.168.99.3:12391"})
     refused(std::string("link send land --firmware native --to ") + to, 2,

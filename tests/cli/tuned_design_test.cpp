@@ -120,7 +120,7 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   EXPECT_THAT(folder_.read("out/estimatorVars.m"), HasSubstr("verdict fail"));
   const ProgramResult verified = run_program({"verify", path("out")});
   EXPECT_EQ(verified.status, 1);
-  EXPECT_THAT(verified.out, HasSubstr("FAIL the design holds what it is asked for: written with "
+  EXPECT_THAT(verified.out, HasSubstr("FAIL the design meets its requirements: written with "
                                       "--force although the verdict on tuned.toml"));
   std::filesystem::remove_all(path("out"));
   EXPECT_EQ(run_program({"export", design, "--to", "mambo", "-o", path("out"), "--force"}).status,
@@ -178,7 +178,7 @@ TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
   EXPECT_EQ(verified.status, 1);
   const std::size_t fail = verified.out.find("FAIL ");
   EXPECT_EQ(verified.out.substr(fail, verified.out.find('\n', fail) - fail),
-            "FAIL the design holds what it is asked for: written with --force although a mission "
+            "FAIL the design meets its requirements: written with --force although a mission "
             "failed");
   EXPECT_EQ(verified.out.rfind("FAIL "), fail) << verified.out;
 }

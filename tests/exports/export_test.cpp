@@ -143,7 +143,7 @@ TEST(Export, RefusesUquadWithoutGains) {
   ExportContent content = uquad_content();
   content.gains.reset();
   EXPECT_THAT([&] { (void)export_files(ExportKind::uquad, content); },
-              ThrowsMessage<InvalidInput>(HasSubstr("uquad: there are no gains")));
+              ThrowsMessage<InvalidInput>(HasSubstr("uquad: there is no state feedback")));
 }
 
 TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {

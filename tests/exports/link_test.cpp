@@ -192,10 +192,10 @@ TEST(LinkCommands, RefuseWrongWords) {
                           const std::vector<std::string>& words) {
     return message_of([&] { return link_command(firmware, name, words); });
   };
-  EXPECT_EQ(
-      refused(kNative, "takeof", {}),
-      "command: 'takeof' is not a command, expected for the firmware native: takeoff, land, move, "
-      "turn, flip; did you mean 'takeoff'?");
+  EXPECT_EQ(refused(kNative, "takeof", {}),
+            "command: 'takeof' is not a command, expected one of the commands of the firmware "
+            "native: takeoff, land, move, "
+            "turn, flip; did you mean 'takeoff'?");
   EXPECT_THAT(refused(kSimulink, "flip", {"left"}), StartsWith("command: 'flip' is not a command"));
   EXPECT_THAT(refused(kSimulink, "", {}), StartsWith("command: is empty, expected"));
   EXPECT_EQ(

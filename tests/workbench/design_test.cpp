@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "same_bits.hpp"

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/mambo.hpp"

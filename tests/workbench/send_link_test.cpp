@@ -303,13 +303,14 @@ TEST(LinkTarget, RefusesEverythingElse) {
   const auto refused = [](const std::string& word, LinkFirmware firmware = kNative) {
     return refusal_of<OptionError>([&] { (void)link_target(word, firmware); });
   };
-  EXPECT_EQ(refused(""),
-            "to is missing, expected address and port of one vehicle, such as 192.168.99.3:6000, "
-            "because the vehicle must be named");
   EXPECT_EQ(
-      refused("0.0.0.0:6000"),
-      "to is '0.0.0.0:6000', which is the unspecified address, expected address and port of one "
-      "vehicle, such as 192.168.99.3:6000, because a command is for one vehicle");
+      refused(""),
+      "to is missing, expected the address and port of one vehicle, such as 192.168.99.3:6000, "
+      "because the vehicle must be named");
+  EXPECT_EQ(refused("0.0.0.0:6000"),
+            "to is '0.0.0.0:6000', which is the unspecified address, expected the address and port "
+            "of one "
+            "vehicle, such as 192.168.99.3:6000, because a command is for one vehicle");
   for (const auto& [word, why] : std::vector<std::pair<std::string, std::string>>{
            {"0.1.2.3:6000", "unspecified address"},
            {"255.255.255.255:6000", "received by the whole network"},

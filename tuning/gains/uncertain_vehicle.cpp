@@ -392,7 +392,8 @@ std::string cannot_hover(const Vehicle& vehicle, double mass, double thrust) {
   }
   const TrimResult found = trim(other, FlightCondition{});
   if (found.solved()) return "";
-  return fmt::format("{:.4g} of the mass on {:.4g} of the thrust: {}", mass, thrust, found.culprit);
+  return fmt::format("with {:.4g} times the mass and {:.4g} times the thrust, {}", mass, thrust,
+                     found.culprit);
 }
 
 LoopFamily uncertain_hover(const Vehicle& vehicle, const Gains& gains,

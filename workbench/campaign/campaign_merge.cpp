@@ -9,7 +9,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/logs/flight_log.hpp"
-#include "quadtune/simulation/campaign_table.hpp"
+#include "quadtune/simulation/campaign/campaign_table.hpp"
 #include "quadtune/workbench/campaign/campaign_folder.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
 

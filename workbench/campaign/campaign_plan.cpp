@@ -16,7 +16,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
-#include "quadtune/simulation/spread_uncertainty.hpp"
+#include "quadtune/simulation/campaign/spread_uncertainty.hpp"
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"

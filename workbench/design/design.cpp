@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "quadtune/convention.hpp"
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"

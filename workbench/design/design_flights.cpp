@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/design.hpp"
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/workbench/files/file_kind.hpp"
 
 namespace quadtune {

@@ -3,8 +3,8 @@
 
 #include <utility>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
 #include "quadtune/workbench/design/export_content.hpp"

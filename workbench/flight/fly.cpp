@@ -166,7 +166,7 @@ std::string label_of(Metric metric) {
 }
 
 std::string describe(Metric metric, double value) {
-  if (std::isnan(value)) return "none";
+  if (std::isnan(value)) return "undefined";
   if (std::isinf(value)) return "never";
   const std::string& unit = unit_of(metric);
   return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);

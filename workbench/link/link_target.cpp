@@ -33,9 +33,10 @@ bool read_port(const std::string& word, std::uint16_t& port) {
 [[noreturn]] void refuse_target(LinkFirmware firmware, const std::string& what,
                                 const std::string& why) {
   const std::string example = firmware == LinkFirmware::simulink ? "192.168.3.1" : "192.168.99.3";
-  throw OptionError("to", fmt::format("to {}, expected address and port of one vehicle, such as "
-                                      "{}:{}, because {}",
-                                      what, example, link_port(firmware), why));
+  throw OptionError("to",
+                    fmt::format("to {}, expected the address and port of one vehicle, such as "
+                                "{}:{}, because {}",
+                                what, example, link_port(firmware), why));
 }
 
 }  // namespace
@@ -54,7 +55,7 @@ LinkTarget link_target(const std::string& word, LinkFirmware firmware) {
   // A zero byte would end the text early in inet_pton().
   if (target.host.find('\0') != std::string::npos ||
       inet_pton(AF_INET, target.host.c_str(), address.data()) != 1)
-    refuse_target(firmware, named, "a host is four decimal numbers; names are not resolved");
+    refuse_target(firmware, named, "a host is four numbers from 0 to 255; names are not resolved");
   if (!read_port(word.substr(colon + 1), target.port))
     refuse_target(firmware, named, "a port is a number from 1 to 65535");
   if (const char* which = why_not_one(address))

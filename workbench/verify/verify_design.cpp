@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/export_target.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"

@@ -13,8 +13,8 @@
 #include "quadtune/control/scheduled_feedback.hpp"  // a gain schedule as it runs on board
 #include "quadtune/control/state_feedback_law.hpp"  // state feedback as it runs on board
 #include "quadtune/design.hpp"                      // the content of a design file
-#include "quadtune/export_target.hpp"               // the names of what a design is exported to
-#include "quadtune/firmware_options.hpp"            // options of an export to firmware
-#include "quadtune/flight_code_options.hpp"         // options of an export to C
+#include "quadtune/design/export_target.hpp"        // the names of what a design is exported to
+#include "quadtune/design/firmware_options.hpp"     // options of an export to firmware
+#include "quadtune/design/flight_code_options.hpp"  // options of an export to C
 #include "quadtune/gain_schedule.hpp"               // gains over a grid of flights, interpolated
 #include "quadtune/gains.hpp"                       // a state feedback, ready to be applied

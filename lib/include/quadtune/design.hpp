@@ -11,9 +11,9 @@
 
 #include "quadtune/cascade.hpp"
 #include "quadtune/convention.hpp"
+#include "quadtune/design/firmware_options.hpp"
+#include "quadtune/design/flight_code_options.hpp"
 #include "quadtune/estimation/filter_model.hpp"
-#include "quadtune/firmware_options.hpp"
-#include "quadtune/flight_code_options.hpp"
 #include "quadtune/flight_condition.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/model/vehicle.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
 
 #include <fmt/format.h>
 

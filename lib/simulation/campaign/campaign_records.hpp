@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/simulation/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
 
 namespace quadtune::internal {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

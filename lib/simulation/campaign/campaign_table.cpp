@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/campaign_table.hpp"
+#include "quadtune/simulation/campaign/campaign_table.hpp"
 
 #include <fmt/format.h>
 #include <sqlite3.h>

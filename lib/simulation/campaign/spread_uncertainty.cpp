@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/spread_uncertainty.hpp"
+#include "quadtune/simulation/campaign/spread_uncertainty.hpp"
 
 #include <algorithm>
 #include <string>

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 
 namespace quadtune::internal {
 

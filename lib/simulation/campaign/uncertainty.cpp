@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 
 #include <fmt/format.h>
 
@@ -222,8 +222,8 @@ void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorX
                          "the flight has ideal sensors, expected sensors = \"real\" for a "
                          "quantity of a sensor");
     if (!effect.change(parts, drawn(static_cast<Eigen::Index>(i))))
-      throw InvalidInput(name, fmt::format("the vehicle '{}' has no such component, expected "
-                                           "a quantity of a component that it has",
+      throw InvalidInput(name, fmt::format("the vehicle '{}' has no part that this quantity "
+                                           "changes, expected a quantity of a part that it has",
                                            setup.vehicle.name));
   }
 }

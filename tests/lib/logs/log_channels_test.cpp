@@ -114,7 +114,7 @@ TEST(LogSeriesChecks, RefuseWhatNoMethodCanUse) {
       [&] {
         require_usable({"z", "m", true, {}, {}}, "f.csv");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("every row of it is empty or NaN")));
+      ThrowsMessage<InvalidInput>(HasSubstr("no row of it holds a number")));
   series.timed = false;
   EXPECT_THAT([&] { require_usable(series, "f.csv"); },
               ThrowsMessage<InvalidInput>(HasSubstr("'z' has no time")));

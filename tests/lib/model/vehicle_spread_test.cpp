@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/simulation/spread_uncertainty.hpp"
+#include "quadtune/simulation/campaign/spread_uncertainty.hpp"
 
 namespace quadtune {
 namespace {

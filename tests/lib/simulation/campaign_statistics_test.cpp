@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/campaign/campaign_statistics.hpp"
 
 #include <gmock/gmock.h>
 

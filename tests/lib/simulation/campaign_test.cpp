@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 
 #include "plants/designed_mambo.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 #include "same_bits.hpp"
 #include "temporary_directory.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -246,14 +246,16 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
       apply({{{name, {}}}, {}}, VectorXd::Ones(1), changed);
     };
   };
-  EXPECT_THAT(applied("gps_noise"), ThrowsMessage<InvalidInput>(StrEq(
-                                        "gps_noise: the vehicle 'mambo' has no such component, "
-                                        "expected a quantity of a component that it has")));
+  EXPECT_THAT(applied("gps_noise"),
+              ThrowsMessage<InvalidInput>(
+                  StrEq("gps_noise: the vehicle 'mambo' has no part that this quantity changes, "
+                        "expected a quantity of a component that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
   for (const char* name :
        {"drag", "wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
-    EXPECT_THAT(applied(name), ThrowsMessage<InvalidInput>(HasSubstr("has no such component")))
+    EXPECT_THAT(applied(name),
+                ThrowsMessage<InvalidInput>(HasSubstr("has no part that this quantity changes")))
         << name;
   setup.real_sensors = false;
   EXPECT_THAT(applied("gyroscope_noise"),

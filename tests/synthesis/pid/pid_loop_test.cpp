@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/pid_loop.hpp"
+#include "quadtune/synthesis/pid/pid_loop.hpp"
 
 #include <gmock/gmock.h>
 

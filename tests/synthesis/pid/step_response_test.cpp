@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Step responses of closed loops against closed forms.
-#include "quadtune/synthesis/step_response.hpp"
+#include "quadtune/synthesis/pid/step_response.hpp"
 
 #include <gmock/gmock.h>
 

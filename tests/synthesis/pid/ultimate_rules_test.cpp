@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// PID rules from the limit of stability.
-#include "quadtune/synthesis/ultimate_rules.hpp"
+#include "quadtune/synthesis/pid/ultimate_rules.hpp"
 
 #include <gmock/gmock.h>
 

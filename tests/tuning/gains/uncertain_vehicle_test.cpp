@@ -200,7 +200,8 @@ TEST(UncertainHover, EndsWhereTheVehicleCannotHover) {
   EXPECT_NEAR(family.max_scale, 10 * 0.52 / 2.52, 0.01);
   EXPECT_THAT(family.max_scale_reason, HasSubstr("hover needs"));
   EXPECT_EQ(cannot_hover(vehicle, 1, 1), "");
-  EXPECT_THAT(cannot_hover(vehicle, 2, 1), HasSubstr("2 of the mass on 1 of the thrust"));
+  EXPECT_THAT(cannot_hover(vehicle, 2, 1),
+              HasSubstr("with 2 times the mass and 1 times the thrust, "));
 }
 
 template <class Call>

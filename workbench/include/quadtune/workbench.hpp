@@ -22,15 +22,11 @@
 #include "quadtune/workbench/design/lqi_report.hpp"           // LQI on the flown plant
 #include "quadtune/workbench/design/lqr_report.hpp"           // LQR of matrices or of a vehicle
 #include "quadtune/workbench/design/margins_report.hpp"       // margins by name, and warnings
-#include "quadtune/workbench/design/matrix_loop.hpp"          // loops of matrices, measured loops
-#include "quadtune/workbench/design/matrix_lqr.hpp"           // LQI and LQG of matrices
 #include "quadtune/workbench/design/matrix_report.hpp"        // state feedback as plain matrices
 #include "quadtune/workbench/design/named_loop.hpp"           // loops whose margins are computed
 #include "quadtune/workbench/design/near_hover.hpp"           // bounds that keep a law near hover
-#include "quadtune/workbench/design/pid_report.hpp"           // PID gains for a transfer function
 #include "quadtune/workbench/design/standard_axes.hpp"        // default weights by groups of axes
 #include "quadtune/workbench/design/standard_lqr.hpp"         // the default LQR
-#include "quadtune/workbench/design/system_report.hpp"        // poles, zeros and norms
 #include "quadtune/workbench/design/usual_design.hpp"         // a design without a design file
 #include "quadtune/workbench/design/vehicle_cascade.hpp"      // the PID cascade of a vehicle
 #include "quadtune/workbench/design/written_exports.hpp"      // the exports of a design
@@ -69,6 +65,10 @@
 #include "quadtune/workbench/sampling/sampled_plant.hpp"      // a plant sampled by a method
 #include "quadtune/workbench/schedule/schedule_axes.hpp"      // a grid, from text
 #include "quadtune/workbench/schedule/schedule_report.hpp"    // a gain schedule with its notes
+#include "quadtune/workbench/systems/matrix_loop.hpp"         // loops of matrices, measured loops
+#include "quadtune/workbench/systems/matrix_lqr.hpp"          // LQI and LQG of matrices
+#include "quadtune/workbench/systems/pid_report.hpp"          // PID gains for a transfer function
+#include "quadtune/workbench/systems/system_report.hpp"       // poles, zeros and norms
 #include "quadtune/workbench/vehicle/new_vehicle.hpp"         // a vehicle file from measurements
 #include "quadtune/workbench/vehicle/quantity.hpp"            // a quantity with its unit, from text
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"       // whether a vehicle can fly

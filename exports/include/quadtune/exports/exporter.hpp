@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/export_target.hpp"
+#include "quadtune/design/export_target.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"

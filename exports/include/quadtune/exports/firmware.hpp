@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/design/firmware_options.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/verify.hpp"
-#include "quadtune/firmware_options.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {

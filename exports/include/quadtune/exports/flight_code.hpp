@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/design/flight_code_options.hpp"
 #include "quadtune/exports/file_set.hpp"
-#include "quadtune/flight_code_options.hpp"
 
 namespace quadtune {
 

@@ -4,7 +4,7 @@
 /// correct it, each at the time of its measurement. Theory: "The general filter".
 #pragma once
 
-#include "quadtune/estimation/general_filter_sensors.hpp"
+#include "quadtune/estimation/general_filter/general_filter_sensors.hpp"
 
 namespace quadtune {
 

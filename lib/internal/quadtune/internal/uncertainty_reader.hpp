@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "quadtune/internal/toml_reader.hpp"
-#include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 
 namespace quadtune::internal {
 

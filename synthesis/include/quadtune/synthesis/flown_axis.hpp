@@ -60,10 +60,10 @@ struct AxisWeights {
                                                  const AxisWeights& weights, double now);
 
 /// Extends a plant for a law whose tilt loop has an integral: u[k] = v[k] + rate dt Σ_{i<k} v[i],
-/// where v = -F y. The last of the states_of() the group, the rate of the tilt, passes the inverse
-/// of this filter before it enters y. With the same F as without the integral, the tilt loop then
-/// has the gains Kp and Ki = rate Kp on its error and Kd on the rate, so the law remains linear in
-/// F.
+/// where v = -F y. The rate of the tilt, the last of states_of(), passes through the inverse of the
+/// filter from v to u before it enters y. With the same F as without the integral, the tilt loop
+/// then has the gains Kp and Ki = rate Kp on its error and Kd on the rate, so the law remains
+/// linear in F.
 /// @param plant  one input; outputs as axis_part() of north or east, integrals may follow
 /// @param rate   [1/s], > 0
 /// @return       the plant with two more states: the integral, then the filter

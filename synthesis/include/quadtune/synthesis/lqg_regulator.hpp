@@ -14,7 +14,7 @@ namespace quadtune {
 /// Which estimate a discrete regulator uses.
 enum class LqgEstimate {
   current,  ///< x[k|k], which includes the measurement of this sample
-  delayed,  ///< x[k|k-1], for programs that need a sample to compute the command
+  delayed,  ///< x[k|k-1], for programs that need a sample period to compute the command
 };
 
 /// A regulator with its evidence. It is defined only if both equations are solved.

@@ -23,7 +23,7 @@ struct LyapunovResult {
   Eigen::MatrixXd X;                                ///< (nx × nx) symmetric; all NaN unless solved
   /// ‖residual‖ over the sum of the norms of the terms, Frobenius.
   double residual = std::numeric_limits<double>::quiet_NaN();
-  std::string culprit;  ///< the pair of eigenvalues that causes it; empty when solved
+  std::string culprit;  ///< the pair of eigenvalues that prevents a solution; empty when solved
 
   /// Whether there is a solution.
   [[nodiscard]] bool solved() const { return status == LyapunovStatus::solved; }

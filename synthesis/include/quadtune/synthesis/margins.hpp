@@ -50,7 +50,7 @@ struct LoopMargins {
   double gain_reduction = 0;                                     ///< max. factor < 1 with L = -1
   /// [rad] phase margin of the gain crossover at which its magnitude is smallest; infinite without
   /// a crossover. For a stable loop it is the magnitude, in (0, π]: the smallest phase lag or lead
-  /// that destabilizes the loop. For an unstable loop it has its sign.
+  /// that destabilizes the loop. For an unstable loop it is signed.
   double phase_margin = std::numeric_limits<double>::infinity();
   double crossover = 0;  ///< frequency of phase_margin [rad/s]
   /// [s] minimum over all gain crossovers; infinite without one.

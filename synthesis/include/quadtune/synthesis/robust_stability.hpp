@@ -48,7 +48,7 @@ struct StabilityProof {
   /// ‖x⁺‖ ≤ (1 - gap) ‖x‖.
   double gap = std::numeric_limits<double>::quiet_NaN();
   double coupling = 0;  ///< upper bound of the coupling between parts in these norms; < gap
-  std::string part;     ///< part of the box that is not proved or unstable
+  std::string part;     ///< the part of the loop that is unstable or not proved in `where`
   LoopBox where;        ///< that box: the parameters that affect the part, and the delay
   std::vector<std::string> numbers;  ///< names of the parameters of `where`
   std::string culprit;               ///< description; empty when proved

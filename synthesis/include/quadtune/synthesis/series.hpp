@@ -11,8 +11,8 @@ namespace quadtune {
 /// The system whose input drives `first` and whose output is that of `second`, driven by the output
 /// of `first`: with transfer functions, second(s) first(s). States: those of `first`, then those of
 /// `second`. The result has explicit C and D and no names.
-/// @throws InvalidInput  as validate(), or if `second` has not as many inputs as `first` has
-///                       outputs
+/// @throws InvalidInput  as validate(), or if `second` does not have as many inputs as `first`
+///                       has outputs
 [[nodiscard]] ContinuousLti series(const ContinuousLti& first, const ContinuousLti& second);
 /// @throws InvalidInput  likewise, or if the sample periods differ
 [[nodiscard]] DiscreteLti series(const DiscreteLti& first, const DiscreteLti& second);

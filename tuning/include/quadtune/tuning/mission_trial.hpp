@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/campaign/campaign_statistics.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 #include "quadtune/simulation/flight.hpp"
-#include "quadtune/simulation/uncertainty.hpp"
 
 namespace quadtune {
 

@@ -9,8 +9,8 @@
 
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 #include "quadtune/simulation/mission.hpp"
-#include "quadtune/simulation/uncertainty.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/simulation/campaign.hpp"
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "quadtune/exports/file_set.hpp"
-#include "quadtune/simulation/campaign.hpp"
-#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign_statistics.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 
 namespace quadtune {

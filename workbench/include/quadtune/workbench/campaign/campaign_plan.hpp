@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "quadtune/exports/file_set.hpp"
-#include "quadtune/simulation/campaign.hpp"
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {

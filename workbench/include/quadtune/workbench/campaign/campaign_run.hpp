@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/simulation/campaign/campaign_shard.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 
 namespace quadtune {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "quadtune/cascade.hpp"
-#include "quadtune/firmware_options.hpp"
+#include "quadtune/design/firmware_options.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {

@@ -8,7 +8,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/synthesis/pid_cascade.hpp"
+#include "quadtune/synthesis/pid/pid_cascade.hpp"
 #include "quadtune/workbench/design/margins_report.hpp"
 
 namespace quadtune {

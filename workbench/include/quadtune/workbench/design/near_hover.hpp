@@ -10,8 +10,8 @@ namespace quadtune {
 /// Maximum tilt that a state feedback designed here commands for a position error [rad].
 inline constexpr double kMaxCommandedTilt = 0.35;
 
-/// Expresses the position error of the law in heading axes, limits this error to the length for
-/// which the vehicle comes to rest at a tilt of kMaxCommandedTilt, and stops integrals at the
+/// Expresses the position error of the law in heading axes, limits this error to the length that
+/// is in balance with a tilt of kMaxCommandedTilt, and stops integrals at the
 /// motors' limits. The error stays unlimited if the gains do not tilt the vehicle for a position
 /// error.
 /// @param vehicle  valid

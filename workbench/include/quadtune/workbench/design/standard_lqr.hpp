@@ -5,7 +5,7 @@
 #include "quadtune/gains.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/synthesis/lqr.hpp"
-#include "quadtune/synthesis/pid_cascade.hpp"
+#include "quadtune/synthesis/pid/pid_cascade.hpp"
 #include "quadtune/synthesis/riccati.hpp"
 
 namespace quadtune {

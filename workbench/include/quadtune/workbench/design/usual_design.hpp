@@ -22,8 +22,8 @@ namespace quadtune {
 [[nodiscard]] Design usual_design(const std::string& vehicle,
                                   const std::vector<std::string>& to = {});
 
-/// Whether a word names a vehicle rather than a design file: a vehicle file, or a built-in vehicle
-/// of whose name there is no file.
+/// Whether a word names a vehicle rather than a design file: a vehicle file, or the name of a
+/// built-in vehicle, if no file has this name.
 [[nodiscard]] bool names_vehicle(const std::string& word);
 
 }  // namespace quadtune

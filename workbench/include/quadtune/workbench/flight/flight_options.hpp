@@ -12,10 +12,11 @@ namespace quadtune {
 struct FlightOptions {
   std::string vehicle;            ///< name or file
   std::string mission = "hover";  ///< name or file
-  std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: according to the gains
+  std::string controller;         ///< as controller_kind() reads it; empty: according to the gains
   std::string gains;       ///< a file, an export, "designed" or "published"; empty: "designed"
   std::string integrator;  ///< "euler", "backward-euler", "tustin"; empty: the gains' own
-  /// "mambo", "mambo-original", "mambo-raw", "uquad", "truth"; empty: according to the sensors.
+  /// "mambo", "mambo-original", "mambo-raw", "uquad", "general", "truth"; empty: according to
+  /// the sensors.
   std::string estimator;
   std::string flow;                           ///< "full", "simplified", "off"; empty: "full"
   std::optional<double> flow_rate;            ///< [Hz]; none: the vehicle's

@@ -108,7 +108,7 @@ void take_program(FlightOptions& options);
 /// The label of a metric, e.g. "maximum tilt" for "tilt_max".
 [[nodiscard]] std::string label_of(Metric metric);
 
-/// A metric's value with its unit: "0.0123 m"; "none" if it has no value, "never" if it is
+/// A metric's value with its unit: "0.0123 m"; "undefined" if it has no value, "never" if it is
 /// infinite.
 [[nodiscard]] std::string describe(Metric metric, double value);
 

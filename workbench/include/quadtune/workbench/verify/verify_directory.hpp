@@ -13,7 +13,7 @@
 namespace quadtune {
 
 /// The check that fails for an export that was written with --force.
-inline constexpr char kForcedCheck[] = "the design holds what it is asked for";
+inline constexpr char kForcedCheck[] = "the design meets its requirements";
 
 /// Verifies an export with the vehicle that its manifest names.
 /// @param directory  of the export

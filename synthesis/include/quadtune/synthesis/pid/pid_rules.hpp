@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 #include "quadtune/transfer_function.hpp"
 
 namespace quadtune {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/pid_report.hpp"
+#include "quadtune/workbench/systems/pid_report.hpp"
 
 #include <fmt/format.h>
 
@@ -12,9 +12,9 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
-#include "quadtune/synthesis/pid_loop.hpp"
-#include "quadtune/synthesis/pid_rules.hpp"
-#include "quadtune/synthesis/ultimate_rules.hpp"
+#include "quadtune/synthesis/pid/pid_loop.hpp"
+#include "quadtune/synthesis/pid/pid_rules.hpp"
+#include "quadtune/synthesis/pid/ultimate_rules.hpp"
 
 namespace quadtune {
 namespace {

@@ -3,7 +3,7 @@
 /// backward in time, and the covariance of its errors. Theory: "The general filter".
 #pragma once
 
-#include "quadtune/estimation/general_filter_state.hpp"
+#include "quadtune/estimation/general_filter/general_filter_state.hpp"
 
 namespace quadtune::general_filter_internal {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/simulation/campaign.hpp"
+#include "quadtune/simulation/campaign/campaign.hpp"
 
 namespace quadtune {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <variant>
 
-#include "quadtune/synthesis/pid_gains.hpp"
-#include "quadtune/synthesis/pid_optimum.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_optimum.hpp"
 #include "quadtune/transfer_function.hpp"
 #include "quadtune/workbench/design/margins_report.hpp"
 

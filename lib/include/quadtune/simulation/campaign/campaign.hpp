@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 #include "quadtune/simulation/flight.hpp"
-#include "quadtune/simulation/uncertainty.hpp"
 
 namespace quadtune {
 

@@ -11,7 +11,7 @@
 #include "quadtune/control/pid.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/synthesis/margins.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 
 namespace quadtune {
 

@@ -3,8 +3,8 @@
 
 #include <sstream>
 
+#include "flight_code/compiled/process.hpp"
 #include "flight_code/flight_recording.hpp"
-#include "flight_code/process.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "quadtune/estimation/angles.hpp"
-#include "quadtune/estimation/general_filter_correction.hpp"
+#include "quadtune/estimation/general_filter/general_filter_correction.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 
 namespace quadtune::general_filter_internal {

@@ -10,7 +10,7 @@
 
 #include "quadtune/control/pid_method.hpp"
 #include "quadtune/synthesis/frequency_data.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
 
 namespace quadtune {

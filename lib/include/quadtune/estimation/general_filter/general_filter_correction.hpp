@@ -3,7 +3,7 @@
 /// Theory: "The general filter".
 #pragma once
 
-#include "quadtune/estimation/general_filter_prediction.hpp"
+#include "quadtune/estimation/general_filter/general_filter_prediction.hpp"
 #include "quadtune/estimation/kalman_filter.hpp"
 
 namespace quadtune::general_filter_internal {

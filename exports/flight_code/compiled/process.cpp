@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight_code/process.hpp"
+#include "flight_code/compiled/process.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/matrix_lqr.hpp"
+#include "quadtune/workbench/systems/matrix_lqr.hpp"
 
 #include <fmt/format.h>
 

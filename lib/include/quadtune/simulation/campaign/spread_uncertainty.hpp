@@ -3,7 +3,7 @@
 #pragma once
 
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/simulation/campaign/uncertainty.hpp"
 
 namespace quadtune {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "quadtune/cascade.hpp"
-#include "quadtune/synthesis/cascade_loop.hpp"
+#include "quadtune/synthesis/pid/cascade_loop.hpp"
 
 namespace quadtune {
 

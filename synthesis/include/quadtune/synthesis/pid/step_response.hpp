@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "quadtune/synthesis/open_loop.hpp"
-#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
 
 namespace quadtune {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/system_report.hpp"
+#include "quadtune/workbench/systems/system_report.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <type_traits>

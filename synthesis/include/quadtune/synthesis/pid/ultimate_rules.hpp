@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/synthesis/pid_gains.hpp"
-#include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/synthesis/pid/pid_gains.hpp"
+#include "quadtune/synthesis/pid/pid_rules.hpp"
 #include "quadtune/transfer_function.hpp"
 
 namespace quadtune {
