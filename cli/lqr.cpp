@@ -51,9 +51,10 @@ bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
     refuse("lqr", "--structure", "--structure is '{}', expected dynamic or matrix{}",
            internal::printable(structure),
            internal::did_you_mean(structure, {"dynamic", "matrix"}));
-  line.refuse_given({"--change", "--past", "--integral"},
-                    "cannot be combined with --structure matrix, because that law integrates "
-                    "px,py,pz,yaw and does not store its commands");
+  line.refuse_given(
+      {"--change", "--past", "--integral"},
+      "cannot be combined with --structure matrix, because that law always integrates "
+      "px,py,pz,yaw and feeds back no past commands");
   return true;
 }
 

@@ -71,7 +71,7 @@ class Writer {
           fmt::format(
               "the {} loop has Kp {:.6g}, Ki {:.6g}, |Kd| {:.6g}, expected |Ki| <= "
               "Kp^2/(4 |Kd|) = {:.6g}, because a gain on the error before a PI controller of "
-              "the rate gives no other; `quadtune pid V --structure p-pi` designs within it",
+              "the rate gives no larger one; `quadtune pid V --structure p-pi` keeps this bound",
               loop, sizes.Kp, sizes.Ki, sizes.Kd, max));
     const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
     // The smaller zero is computed from the product, because the difference would cancel.

@@ -66,7 +66,7 @@ void validate_pid(const PidSettings<Scalar>& settings, const std::string& where)
   if (!(settings.back_calculation >= 0 && settings.back_calculation * settings.dt <= 1))
     throw InvalidInput(where,
                        fmt::format("back_calculation is {} 1/s, expected 0 to 1/dt = {} because "
-                                   "more overshoots the limit within one sample",
+                                   "a larger gain overcorrects the integral within one sample",
                                    settings.back_calculation, 1 / settings.dt));
   require_stable_filter(settings, where);
 }

@@ -34,7 +34,7 @@ void require_fraction(const VectorXd& num, const VectorXd& den, const std::strin
   const Index zeros = without_leading_zeros(num).size();
   if (zeros > den.size())
     throw InvalidInput(where, fmt::format("num has degree {}, den {}, expected no more zeros than "
-                                          "poles because a differentiator has no states",
+                                          "poles because a differentiator has no state-space model",
                                           zeros - 1, den.size() - 1));
 }
 

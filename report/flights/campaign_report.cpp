@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/simulation/campaign/campaign_statistics.hpp"
@@ -140,9 +141,10 @@ std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
 
 std::string to_text(const CampaignPlan& plan, const CampaignStatistics& statistics,
                     const std::string& folder) {
-  std::string text =
-      fmt::format("{}: {} draws of {} quantities, seed {}\n", plan.name, plan.campaign.flights,
-                  plan.campaign.uncertainty.numbers.size(), plan.campaign.seed);
+  std::string text = fmt::format(
+      "{}: {} of {}, seed {}\n", plan.name, internal::counted(plan.campaign.flights, "draw"),
+      internal::counted(plan.campaign.uncertainty.numbers.size(), "quantity", "quantities"),
+      plan.campaign.seed);
   for (std::size_t i = 0; i < statistics.cases.size(); ++i)
     text += "\n" + case_text(plan, i, statistics.cases[i], folder);
   for (const CaseComparison& comparison : statistics.comparisons)

@@ -93,7 +93,7 @@ Json reading_json(const AllanReading& reading, const std::string& unit) {
 }
 
 std::string curve_table(const AllanAnalysis& analysis) {
-  Cells cells = {{"tau [s]", "deviation", "95 % interval", "degrees", "fit"}};
+  Cells cells = {{"tau [s]", "deviation", "95 % interval", "d.o.f.", "fit"}};
   for (const AllanCurvePoint& at : analysis.curve)
     cells.push_back({figure(at.point.tau, ".5g"), figure(at.point.deviation, ".4e"),
                      fmt::format("{:.4e} to {:.4e}", at.low, at.high), figure(at.edf, ".4g"),
@@ -129,8 +129,8 @@ std::string line_text(const AllanLine& line) {
 
 std::string fit_text(const AllanAnalysis& analysis) {
   const std::string numbers = fmt::format(
-      "chi-squared {:.1f} of {} degrees of freedom from {:.4g} s on, {:.0f} % of a variance "
-      "allowed",
+      "chi-squared {:.1f} of {} degrees of freedom from {:.4g} s on, model error {:.0f} % of "
+      "each variance",
       analysis.chi_squared, analysis.degrees, analysis.fitted_from, 100 * analysis.model_error);
   if (!analysis.explained)
     return numbers +

@@ -180,7 +180,7 @@ TEST(Design, FliesSeedsAGustAndALoad) {
   EXPECT_NEAR(gust.plan.setup.environment.wind.gust.velocity.norm(), kGustSpeed, 1e-12);
   EXPECT_EQ(gust.plan.wind, "a gust of 3 m/s");
   EXPECT_THAT(gust.plan.notes,
-              ElementsAre("the file of 'mambo' has no drag: the gust does not move it"));
+              ElementsAre("the file of 'mambo' has no drag: the gust does not move the vehicle"));
   EXPECT_EQ(load.plan.wind, "calm");
   EXPECT_THAT(load.plan.notes, IsEmpty());
   EXPECT_EQ(load.variant, "load");

@@ -177,7 +177,8 @@ TEST(NewVehicle, RefusesWhatContradicts) {
   refused([](M& m) { m.arm = 0.11; },
           "expected at most 0.1556 m, the distance of neighbouring rotors with --arm 0.11 m");
   refused([](M& m) { m.rotors = 5; }, "rotors is 5, expected 4, 6 or 8");
-  refused([](M& m) { m.max_thrust = 3; }, "expected more than 3.433 N, which carries 1.4 kg");
+  refused([](M& m) { m.max_thrust = 3; },
+          "expected more than 3.433 N, one rotor's share of the weight of 1.4 kg");
   refused([](M& m) { m.thrust_to_weight = 0.9; }, "thrust-to-weight is 0.9");
   refused([](M& m) { m.motor_lag = 2; }, "lag is 2 s");
   refused(

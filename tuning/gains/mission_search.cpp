@@ -428,19 +428,20 @@ class Search {
     const TrialOutcome &then = result.proof_before, &now = result.proof_after;
     for (std::size_t i = 0; i < now.limits.size(); ++i)
       if (now.limits[i].excess() > std::max(then.limits[i].excess(), 0.0) + kLimitTolerance)
-        return fmt::format("on {} fresh draws it exceeds {} of {}: {:.4g}, expected at most {:.4g}",
-                           count, name_of(now.limits[i].metric), now.limits[i].mission,
-                           now.limits[i].value, std::max(now.limits[i].max, then.limits[i].value));
+        return fmt::format(
+            "on {} fresh draws the result exceeds {} of {}: {:.4g}, expected at most {:.4g}", count,
+            name_of(now.limits[i].metric), now.limits[i].mission, now.limits[i].value,
+            std::max(now.limits[i].max, then.limits[i].value));
     if (now.failed > then.failed)
       return fmt::format("{} of {} fresh flights end early, compared with {} for the start",
                          now.failed, now.flights, then.failed);
     if (repaired(result)) return {};
     if (!(result.less_low > kMinGain))
       return fmt::format(
-          "on {} fresh draws {} {:.3g} % less than {} ({:.3g} to {:.3g} %): not significantly {} % "
-          "less",
-          count, compared(), result.less, of_quantile() ? "the start's" : "the start",
-          result.less_low, result.less_high, kMinGain);
+          "on {} fresh draws the {} of the result is {:.3g} % below that of the start ({:.3g} to "
+          "{:.3g} %; negative: above), which is not significantly more than {} %",
+          count, of_quantile() ? "quantile of the cost" : "cost", result.less, result.less_low,
+          result.less_high, kMinGain);
     // The mean is significantly lower, but the worst case, if that is the measure, may not be.
     if (now.cost > then.cost)
       return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, that of the start {:.4g}",

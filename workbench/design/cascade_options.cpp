@@ -108,8 +108,8 @@ void read_integrals(const std::string& text, CascadeSpecification& specification
 
 void require_more_than_one(const std::string& key, const std::optional<double>& value) {
   if (value && !(*value > 1))
-    throw OptionError(key, fmt::format("{} is {}, expected more than 1, because with an integral "
-                                       "it is at least 1",
+    throw OptionError(key, fmt::format("{} is {}, expected more than 1, because the peak "
+                                       "of a loop with an integral is at least 1",
                                        key, number(*value)));
 }
 

@@ -122,8 +122,8 @@ void loosen(Mission& mission) {
 void add_gust(PlannedFlight& plan) {
   FlightSetup& setup = plan.setup;
   if (!has_aerodynamics(setup.vehicle))
-    plan.notes.push_back(
-        fmt::format("the file of '{}' has no drag: the gust does not move it", setup.vehicle.name));
+    plan.notes.push_back(fmt::format(
+        "the file of '{}' has no drag: the gust does not move the vehicle", setup.vehicle.name));
   Gust& gust = setup.environment.wind.gust;
   if (!gust.velocity.isZero(0)) return;  // the mission has its own gust
   gust.velocity = Eigen::Vector3d(kGustSpeed, kGustSpeed, 0) / std::sqrt(2.0);

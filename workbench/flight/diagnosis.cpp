@@ -72,7 +72,7 @@ double missed_by(const FlownFlight& flight) {
 std::string first_missed(const FlownFlight& flight) {
   for (const LimitCheck& check : flight.verdict.checks)
     if (!check.ok && !check.at_least)
-      return fmt::format("{} {} of at most {}", label_of(check.metric),
+      return fmt::format("{} {} (limit {})", label_of(check.metric),
                          describe(check.metric, check.value), describe(check.metric, check.bound));
   return fmt::format("{} at {:.3g} s", to_string(flight.result.end), flight.result.end_time);
 }

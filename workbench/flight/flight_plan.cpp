@@ -33,6 +33,7 @@ auto word_of(const std::string& option, Function&& read) {
 /// The default estimator for a vehicle's sensors. The general filter has no model of the simplified
 /// flow.
 std::string usual_estimator(Sensors sensors, FlowModel flow) {
+  if (!sensors.accelerometer || !sensors.gyroscope) return "truth";
   if (flow == FlowModel::off) sensors.flow.reset();
   const bool modelled = flow != FlowModel::simplified || !sensors.flow;
   if (modelled && general_filter_lacks(sensors).empty()) return "general";
@@ -326,7 +327,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (windy && !has_aerodynamics(vehicle))
     flight.notes.push_back(
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
-                    "does not move it",
+                    "does not move the vehicle",
                     vehicle.name));
   setup.integrator = words.solver;
   setup.step = options.step.value_or(setup.step);

@@ -85,7 +85,7 @@ std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop) {
   if (holds(without_lag)) causes.emplace_back("rotors without lag");
   if (holds([](FlightSetup&) {}, 0.5)) causes.emplace_back("half the gains");
   if (causes.empty())
-    return "none of true states, rotors without lag and half the gains would stabilize it";
+    return "neither true states nor rotors without lag nor half the gains would stabilize it";
   return "it would be stable with " + joined(causes, "or");
 }
 

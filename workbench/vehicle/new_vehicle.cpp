@@ -77,7 +77,7 @@ void validate(const MeasuredVehicle& m) {
     require(
         *m.max_thrust * m.rotors > m.mass * kGravity, "max-thrust",
         fmt::format("max-thrust is {:.4g} N for each of {} rotors, expected more than {:.4g} N, "
-                    "which carries {:.4g} kg",
+                    "one rotor's share of the weight of {:.4g} kg",
                     *m.max_thrust, m.rotors, m.mass * kGravity / m.rotors, m.mass));
   if (m.motor_lag)
     require(*m.motor_lag <= kMaxLag, "lag",

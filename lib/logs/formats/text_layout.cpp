@@ -100,9 +100,15 @@ class Chooser {
     }
     if (!parts.empty() && options_.rate_hz > 0)
       throw InvalidInput(where_, "has a time column and a rate, expected one of them");
-    if (parts.empty() && options_.rate_hz == 0)
-      if (const std::optional<std::size_t> clock = clock_of_names())
+    if (const std::optional<std::size_t> clock = clock_of_names(); parts.empty() && clock) {
+      if (options_.rate_hz == 0)
         parts.push_back({*clock, titles_[*clock].ticks, !titles_[*clock].guessed});
+      else
+        layout_.notes.push_back(
+            fmt::format("the rate of {:.6g} Hz determines the times, and the times in the column "
+                        "{} are not used",
+                        options_.rate_hz, unstated(*clock).name));
+    }
     // Largest unit first, since the epoch is taken from its digits.
     std::sort(parts.begin(), parts.end(),
               [](const TimePart& a, const TimePart& b) { return a.ticks < b.ticks; });

@@ -155,7 +155,7 @@ std::string words_of(const Limit& limit, const CampaignRecord& record) {
   if (!std::isfinite(value))
     return fmt::format("{} {}, limit {:.3g}{}", name_of(limit.metric),
                        std::isnan(value) ? "not measured" : "never reached", limit.max, unit);
-  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.max,
+  return fmt::format("{} {:.3g}{}, limit {:.3g}{}", name_of(limit.metric), value, unit, limit.max,
                      unit);
 }
 

@@ -119,8 +119,8 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
   }
   if (low < quantity.min || high > quantity.max)
     refuse(fmt::format(
-        "draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
-        "and most limit a distribution",
+        "the draws extend from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; the "
+        "keys least and most limit a distribution",
         low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.min, quantity.max));
 }
 

@@ -319,9 +319,23 @@ MotorTest read_motors(const std::vector<TomlTable>& tables, const Context& conte
   return test;
 }
 
+/// @throws InvalidInput  if a key of the other kind of start is given
+void refuse_keys_of_other_start(const TomlTable& table, bool in_air) {
+  const std::vector<std::string> other =
+      in_air ? std::vector<std::string>{"start_up_s", "take_off_s", "climb_rate_m_per_s"}
+             : std::vector<std::string>{"height_m"};
+  for (const std::string& key : other)
+    if (table.has(key))
+      throw InvalidInput(table.where(key),
+                         fmt::format("{} in {} is for a start {}, expected at = \"{}\" or no {}",
+                                     key, table.title(), in_air ? "on the ground" : "in the air",
+                                     in_air ? "ground" : "air", key));
+}
+
 MissionStart read_start(const TomlTable& table) {
   MissionStart start;
   start.in_air = table.has("at") && read_choice(table, "at", {"ground", "air"}) == 1;
+  refuse_keys_of_other_start(table, start.in_air);
   std::vector<TomlKey> keys = {{"at"}, {"north", "m"}, {"east", "m"}, {"yaw", "rad"}};
   if (start.in_air)
     keys.push_back({"height", "m"});

@@ -354,6 +354,18 @@ TEST(TextLog, AHeadAloneIsALogWithoutRows) {
   EXPECT_THAT(read_bytes("t,x[m]\n1,2\n").condition.notes, ElementsAre());
 }
 
+TEST(TextLog, SaysThatARateReplacesTheTimesOfTheFile) {
+  LogOptions options;
+  options.rate_hz = 4;
+  const WholeLog log = read_bytes("t,x\n1,2\n3,4\n", options);
+  EXPECT_THAT(log.group("").names(), ElementsAre("t", "x"));
+  EXPECT_THAT(
+      log.condition.notes,
+      ElementsAre("f.log: the rate of 4 Hz determines the times, and the times in the column "
+                  "'t' are not used"));
+  EXPECT_THAT(read_bytes("a,x\n1,2\n3,4\n", options).condition.notes, ElementsAre());
+}
+
 TEST(TextLog, AcceptsALineThatIsTooLongAsTheEnd) {
   const WholeLog log = read_bytes("t,x\n1,2\n" + std::string(3, '9'));
   EXPECT_EQ(log.group("").rows.size(), 1U);

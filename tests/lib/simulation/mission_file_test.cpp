@@ -397,13 +397,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "m.toml:2: duration_s is 0, expected more than 0 and 86400 or less"},
         Refusal{"StartWord", kHead + "[start]\nat = 'roof'\n[hover]\nheight_m = 1\n",
                 "m.toml:4: at in [start] is 'roof', expected 'ground' or 'air'"},
-        Refusal{"HeightOnTheGround",
-                kHead + "[start]\nat = 'ground'\nheight_m = 1\n[hover]\nheight_m = 1\n",
-                "m.toml:5: key 'height_m' in [start] is not known, expected one of at, north_m, "
-                "east_m, yaw_rad, start_up_s, take_off_s, climb_rate_m_per_s"},
+        Refusal{
+            "HeightOnTheGround",
+            kHead + "[start]\nat = 'ground'\nheight_m = 1\n[hover]\nheight_m = 1\n",
+            "m.toml:5: height_m in [start] is for a start in the air, expected at = \"air\" or no "
+            "height_m"},
         Refusal{"TakeOffInTheAir", kHead + kAir + "take_off_s = 1\n[hover]\nheight_m = 1\n",
-                "m.toml:6: key 'take_off_s' in [start] is not known, expected one of at, north_m, "
-                "east_m, yaw_rad, height_m"},
+                "m.toml:6: take_off_s in [start] is for a start on the ground, expected at = "
+                "\"ground\" or no take_off_s"},
         Refusal{"LongTakeOff", kHead + "[start]\ntake_off_s = 19.5\n[hover]\nheight_m = 1\n",
                 "m.toml:3: start-up and take-off last 20 s, expected less than the mission's "
                 "duration_s of 20"},

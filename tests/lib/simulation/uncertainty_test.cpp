@@ -349,8 +349,9 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
   refuses(mass + "normal = {deviatoin = 0.1}\n", "deviatoin");
   refuses(mass + "uniform = {low = 1.2, high = 0.8}\n",
           "mass: low is 1.2 and high is 0.8, expected low at most high");
-  refuses(mass + "normal = {deviation = 0.5}\n",
-          "mass: draws from -3 to 5, expected within 0.01 to 100; least and most limit");
+  refuses(
+      mass + "normal = {deviation = 0.5}\n",
+      "mass: the draws extend from -3 to 5, expected within 0.01 to 100; the keys least and most");
   refuses(mass + "normal = {deviation = 0.1, least = 1.1, most = 0.9}\n",
           "least is 1.1 and most is 0.9, expected least below most");
   refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "exclude the whole distribution");
