@@ -243,6 +243,21 @@ TEST(Sensors, ThatFeedNoEstimatorAreRefused) {
   EXPECT_THAT(designed.err, HasSubstr("the gains are designed for true states"));
 }
 
+TEST(Sensors, WithoutAGyroscopeTheMessageIsNotAboutAnOptionThatWasNotGiven) {
+  const testing::TemporaryDirectory folder;
+  std::ostringstream whole;
+  whole << std::ifstream(testing::source_folder() + "/vehicles/uquad.toml").rdbuf();
+  std::string text = whole.str();
+  const std::size_t from = text.find("[sensors.gyroscope]");
+  ASSERT_NE(from, std::string::npos);
+  text.erase(from, text.find("[", from + 1) - from);
+  const std::string file = folder.write("no_gyroscope.toml", text).string();
+  const ProgramResult refused = run_program({"fly", file});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err,
+              HasSubstr(file + ": the sensors do not suffice for any estimator: no gyroscope"));
+}
+
 TEST(Comparison, HasEveryMethodAtThreePeriods) {
   const Json json = cascade_json({"discretize", "mambo", "--compare", "--dt", "0.005"});
   EXPECT_EQ(json["vehicle"], "mambo");
