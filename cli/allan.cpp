@@ -72,7 +72,7 @@ void run_allan(const Options& options, Context& context) {
 }  // namespace
 
 Verb allan_verb() {
-  return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U] [--phase]",
+  return {"allan", "--log FILE --column NAME|N [--rate HZ | --time COLUMN] [--unit U] [--phase]",
           "estimate the noise of a stationary sensor from its Allan deviation",
           "quadtune allan --simulate --taus decades", with_options(add_options, run_allan)};
 }

@@ -95,7 +95,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--magnetometer LIST", options.magnetometer,
                   "as --accelerometer; default mx,my,mz; none: no magnetometer");
   line.add_option("--temperature COLUMN", options.temperature,
-                  "its column; default temperature; none: no temperature");
+                  "column of the temperature; default temperature; none: no temperature");
   line.add_positive("--temperature-scale X", options.temperature_scale,
                     "degrees Celsius per unit of that column, e.g. 0.1; default 1");
   add_sensor_log_options(line, options.sensors);

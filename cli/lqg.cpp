@@ -142,11 +142,11 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.common.plant.vehicle, "built-in vehicle or vehicle file");
   line.add_option("--Q FILE|LIST", options.common.Q,
                   "weights of the 12 states, then of the integrals; a single number applies to "
-                  "all; default: Bryson's rule, with smaller weights if the margins need them; "
+                  "all; default: Bryson's rule, with other weights if the margins need them; "
                   "with matrices, a "
                   "matrix file");
   line.add_option("--R FILE|LIST", options.common.R,
-                  "weights of the wrench, or with matrices of the inputs, likewise");
+                  "weights of the wrench or, with matrices, of the inputs; otherwise as --Q");
   line.add_option("--integral LIST", options.common.integral,
                   "states to integrate, or none; default px,py,pz,yaw");
   line.add_number("--dt T", options.common.dt,

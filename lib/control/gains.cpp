@@ -123,6 +123,10 @@ std::vector<Signal> integral_signals(const std::vector<Signal>& states,
 DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   validate(plant, "open_loop");
   validate(gains, "open_loop");
+  if (gains.dt != plant.dt)
+    throw InvalidInput("open_loop", fmt::format("the gains have a sample period of {} s, expected "
+                                                "{} s, that of the plant",
+                                                gains.dt, plant.dt));
   const auto nx = static_cast<Eigen::Index>(gains.states.size());
   const auto ni = static_cast<Eigen::Index>(gains.integrals.size());
   require_shape(plant.A, nx, nx, "open_loop", "plant.A", "states: " + names(gains.states));

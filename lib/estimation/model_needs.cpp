@@ -96,7 +96,7 @@ class Matcher {
     if (found.size() > 1) {
       for (const LogChannelSurvey* channel : found)
         missing.candidates.push_back(name_in(log_, *channel));
-      missing.why = "is in several tables";
+      missing.why = "is in several groups of the log";
     } else if (found.size() == 1) {
       missing.why = fault_of(*found[0], log_);
       const std::string& unit = found[0]->channel.unit;

@@ -139,7 +139,9 @@ BarometerSensor read_barometer(const TomlTable& table) {
   barometer.faults = read_faults(table, "Pa", 1);
   barometer.ground_pressure =
       table.number_or("ground_pressure_Pa", barometer.ground_pressure, Range::positive());
-  barometer.fall = table.number_or("fall_Pa_per_m", barometer.fall, Range::any());
+  // The pressure decreases with height; the general filter divides by this slope.
+  barometer.fall = table.number_or("fall_Pa_per_m", barometer.fall,
+                                   {0, Range::Bound::none, 0, Range::Bound::open});
   return barometer;
 }
 

@@ -27,12 +27,14 @@ std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
       "#!/bin/sh\n"
       "# One job per shard: sbatch slurm.sh. A stopped job resumes where it was. Options of\n"
       "# your cluster (--partition, --time, --cpus-per-task) go before the file name.\n"
+      "# FIRST_SHARD is added to the indices of the array, for clusters that limit them.\n"
       "#SBATCH --job-name={}\n"
       "#SBATCH --array=0-{}\n"
       "#SBATCH --requeue\n"
       "#SBATCH --open-mode=append\n"
       "#SBATCH --output=shard-%a.log\n"
-      "exec \"${{QUADTUNE:-quadtune}}\" campaign work {} --shard \"$SLURM_ARRAY_TASK_ID\" \\\n"
+      "exec \"${{QUADTUNE:-quadtune}}\" campaign work {} \\\n"
+      "  --shard \"$((SLURM_ARRAY_TASK_ID + ${{FIRST_SHARD:-0}}))\" \\\n"
       "  --threads \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
       plan.name, plan.shards - 1, place);
   const std::string parallel = fmt::format(

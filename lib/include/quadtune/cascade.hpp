@@ -63,7 +63,7 @@ inline constexpr std::array<CascadeAxis, kCascadeAxes> kAllCascadeAxes = {
 
 /// Requirements on one loop. If no bandwidth is given and published gains exist, they supply the
 /// limits: the noise and the peak deviation under a load must not exceed those of the published
-/// gains, and Ms - 1 must be 2 % smaller than theirs.
+/// gains, and Ms - 1 must be at least 2 % smaller than theirs.
 struct CascadeRequirement {
   /// The frequency at which the rate loop crosses gain 1 [rad/s], met exactly. If it is not given,
   /// the crossover is at most a twentieth of the sample rate and at most a third of the bandwidth

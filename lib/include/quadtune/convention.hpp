@@ -30,7 +30,7 @@ enum class SignLaw {
 /// ned_convention(). The Euler sequence (yaw, pitch, roll) and the origin of the body axes are the
 /// same, so the map is exact for the nonlinear state, not only near hover.
 struct Convention {
-  std::string name;                        ///< "ned", "uquad" or "mambo"
+  std::string name;                        ///< e.g. "ned"; that of a convention file is its own
   std::string description;                 ///< axes in words, for manifests and reports
   std::vector<Signal> states;              ///< 12, in the flight code's order
   Eigen::Matrix<double, 12, 12> from_ned;  ///< x = from_ned · x_ned, entries 0, ±1, orthogonal
@@ -58,20 +58,23 @@ struct Convention {
 [[nodiscard]] std::vector<Signal> input_signals(const Convention& convention, InputKind kind,
                                                 int rotors, const std::string& command_unit);
 
-/// The matrix M in u = M · u_ned for inputs of `kind`: the identity except for the wrench.
+/// The matrix M (nu × nu) in u = M · u_ned for inputs of `kind`: the identity except for the
+/// wrench.
 [[nodiscard]] Eigen::MatrixXd input_from_ned(const Convention& convention, InputKind kind,
                                              int rotors);
 
-/// "rotor-speed", "rotor-thrust", "wrench" or "command", and back.
+/// "rotor-speed", "rotor-thrust", "wrench" or "command".
 [[nodiscard]] std::string to_string(InputKind kind);
 
-/// The kind of a name.
+/// The kind of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the known ones.
 [[nodiscard]] InputKind input_kind(const std::string& name, const std::string& where);
 
-/// "set-point-minus-state" or "state-minus-set-point", and back.
+/// "set-point-minus-state" or "state-minus-set-point".
 [[nodiscard]] std::string to_string(SignLaw law);
 
-/// The sign law of a name.
+/// The sign law of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the known ones.
 [[nodiscard]] SignLaw sign_law(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

@@ -28,10 +28,11 @@ enum class LqrMethod {
   sampled,  ///< the continuous cost, evaluated exactly for inputs held between samples
 };
 
-/// "continuous", "discrete" or "sampled", and back.
+/// "continuous", "discrete" or "sampled".
 [[nodiscard]] std::string to_string(LqrMethod method);
 
-/// The method of a name.
+/// The method of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the known ones.
 [[nodiscard]] LqrMethod lqr_method(const std::string& name, const std::string& where);
 
 /// An LQR problem about the trim, in the states and inputs of a convention.
@@ -65,9 +66,11 @@ struct LqiDesign {
   std::optional<Eigen::VectorXd> Q_integral;  ///< (ni) weights of the integrals, ≥ 0
   std::optional<Eigen::VectorXd> R;           ///< (4) weights of the commands, > 0
   std::optional<Eigen::VectorXd> R_change;    ///< (4) weights of the changes of the commands, ≥ 0
-  std::optional<int> past;                    ///< prediction horizon [control periods]
-  /// If set, the design is a matrix on the 12 states and the usual integrals, without memory of
-  /// past commands, in this convention. The weights remain those of ned_convention().
+  /// Number of control periods by which the law predicts, 0 to 40; ≥ 1 with R_change.
+  std::optional<int> past;
+  /// If set, the design is a matrix on the 12 states and one on the integrals of px, py, pz and
+  /// yaw, without memory of past commands, in this convention. The weights remain those of
+  /// ned_convention().
   std::optional<MatrixConvention> matrix = {};
 };
 
@@ -172,6 +175,7 @@ struct Design {
 /// @param text    content of the file
 /// @param origin  the file's name in messages.
 /// @param folder  base of a relative vehicle path.
+/// @throws        as load_design()
 [[nodiscard]] Design parse_design(const std::string& text, const std::string& origin,
                                   const std::filesystem::path& folder = {});
 

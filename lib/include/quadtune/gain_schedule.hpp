@@ -65,10 +65,11 @@ enum class PointStatus {
   no_gain,
 };
 
-/// "solved", "no trim" or "no gain", and back.
+/// "solved", "no trim" or "no gain".
 [[nodiscard]] std::string to_string(PointStatus status);
 
-/// The status of a name.
+/// The status of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the three known ones.
 [[nodiscard]] PointStatus point_status(const std::string& name, const std::string& where);
 
 /// The outcome of a lookup in the schedule.

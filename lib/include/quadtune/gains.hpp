@@ -28,7 +28,7 @@ struct CommandMemory {
   Eigen::MatrixXd K_lag;  ///< (nu × nu)
   /// Delay from a command to its actuator [control periods], ≥ 0.
   int past = 0;
-  Eigen::MatrixXd K_past;  ///< (nu × past nu), newest command first
+  Eigen::MatrixXd K_past;  ///< (nu × past · nu), newest command first
 };
 
 /// Limits that keep a state feedback near the flight condition that its gains were designed for.
@@ -48,10 +48,11 @@ enum class PositionAxes {
   /// vehicle's, so that the law does not depend on the heading.
   heading,
 };
-/// "world", "heading", and back.
+/// "world" or "heading".
 [[nodiscard]] std::string to_string(PositionAxes axes);
 
-/// The axes of a name.
+/// The axes of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the two known ones.
 [[nodiscard]] PositionAxes position_axes(const std::string& name, const std::string& where);
 
 /// u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) for SignLaw::set_point_minus_state.
@@ -89,10 +90,10 @@ void validate(const Gains& gains, const std::string& where);
 /// negative feedback is the closed loop.
 ///
 /// @param plant  sampled, with the states of the gains in any order, and the inputs of the gains
-/// @param gains  with dt > 0
+/// @param gains  with the sample period of the plant
 /// @return       nx + ni states: the states of the gains, their integrals, then the states of the
 ///               memory if the gains have one; nu inputs and outputs
-/// @throws InvalidInput  if the plant's states or inputs are not those of the gains
+/// @throws InvalidInput  if the plant's states, inputs or period are not those of the gains
 [[nodiscard]] DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains);
 
 }  // namespace quadtune

@@ -32,12 +32,12 @@ using MaskOf = typename MaskOfScalar<T>::type;
 /// The same for masks.
 [[nodiscard]] constexpr bool select(bool mask, bool a, bool b) noexcept { return mask ? a : b; }
 
-/// The minimum and the maximum. If a is NaN the result is b; the result is unspecified if b is NaN.
+/// The minimum of a and b. If a is NaN the result is b; the result is unspecified if b is NaN.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr T min_of(T a, T b) noexcept { return a < b ? a : b; }
 
-/// The maximum of a and b.
+/// The maximum of a and b; for NaN as min_of().
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr T max_of(T a, T b) noexcept { return a > b ? a : b; }
@@ -57,15 +57,16 @@ template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] inline T abs_of(T x) noexcept { return std::abs(x); }
 
-/// Whether the mask is true in any lane or in every lane. A number has one lane.
+/// Whether the mask is true in any lane. A number has one lane.
 [[nodiscard]] constexpr bool any(bool mask) noexcept { return mask; }
 
 /// Whether the mask is true in every lane.
 [[nodiscard]] constexpr bool all(bool mask) noexcept { return mask; }
-/// Lane by lane and, or and not for both kinds of mask; && and || do not work on a Pack's masks.
+/// Whether both masks are true, lane by lane, for both kinds of mask; && and || do not work on a
+/// Pack's masks.
 [[nodiscard]] constexpr bool logical_and(bool a, bool b) noexcept { return a && b; }
 
-/// Whether a mask is true, lane by lane.
+/// Whether at least one of two masks is true, lane by lane.
 [[nodiscard]] constexpr bool logical_or(bool a, bool b) noexcept { return a || b; }
 
 /// Whether the mask is false, lane by lane.
@@ -83,7 +84,7 @@ template <int N, class Function>
 template <class T>
 inline constexpr int kLanesOf = 1;
 
-/// Reads and writes one lane of a scalar.
+/// The only lane of a number.
 template <class T>
 requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr double lane(T x, int) noexcept { return static_cast<double>(x); }

@@ -78,7 +78,9 @@ fi
 cd "$work/array"
 program_killed_once 3 "$work/quadtune"
 export QUADTUNE=$work/quadtune
-job=$(sbatch --parsable slurm.sh)
+# Two arrays, as on a cluster that limits the indices.
+job=$(sbatch --parsable --array=0-4 slurm.sh)
+FIRST_SHARD=5 sbatch --array=0-2 slurm.sh
 
 # Killed in the middle, with records of a part on disk.
 for _ in $(seq 3000); do

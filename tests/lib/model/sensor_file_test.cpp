@@ -173,7 +173,7 @@ constexpr const char* kNotNegative = "0 or more";
 std::vector<Key> keys() {
   std::vector<Key> all = {
       {"sensors.barometer", "ground_pressure_Pa", "0", kPositive},
-      {"sensors.barometer", "fall_Pa_per_m", "", ""},
+      {"sensors.barometer", "fall_Pa_per_m", "12", "less than 0"},
       {"sensors.sonar", "least_range_m", "-1", kNotNegative},
       {"sensors.sonar", "greatest_range_m", "0", kPositive},
       {"sensors.sonar", "greatest_tilt_rad", "1.6", "more than 0 and 1.5 or less"},

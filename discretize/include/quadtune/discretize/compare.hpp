@@ -36,8 +36,11 @@ struct SamplingError {
 [[nodiscard]] ContinuousLti channel_of(const ContinuousLti& plant, Eigen::Index input,
                                        Eigen::Index output);
 
-/// Discretizes each channel of a system with a method; needed for matched poles and zeros.
-/// @return  as many inputs as outputs; the channels are decoupled
+/// Discretizes each channel of a system by itself, which DiscretizationMethod::matched requires.
+/// Channel i is from input i to output i; all other couplings are dropped.
+/// @param loop    as many outputs as inputs
+/// @param dt      sample period [s], 0 < dt < ∞
+/// @param method  how each channel is sampled
 /// @throws InvalidInput  as discretize()
 [[nodiscard]] DiscreteLti discretize_channels(const ContinuousLti& loop, double dt,
                                               DiscretizationMethod method);

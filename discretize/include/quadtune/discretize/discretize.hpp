@@ -22,11 +22,11 @@ enum class DiscretizationMethod {
   matched,         ///< matched poles and zeros, discretize_matched()
 };
 
-/// "zoh", "foh", "impulse", "euler", "backward-euler", "tustin" or "matched", and back.
-/// @throws InvalidInput  with the unknown name, the known methods and the nearest of them.
+/// "zoh", "foh", "impulse", "euler", "backward-euler", "tustin" or "matched".
 [[nodiscard]] std::string to_string(DiscretizationMethod method);
 
-/// The method of a name.
+/// The method of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name, the known methods and the nearest of them.
 [[nodiscard]] DiscretizationMethod discretization_method(const std::string& name,
                                                          const std::string& where);
 

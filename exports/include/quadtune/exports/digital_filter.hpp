@@ -22,12 +22,16 @@ struct DigitalFilter {
 
 /// cheby2(order, attenuation, edge): Chebyshev of the second kind.
 ///
-/// @param attenuation  minimum attenuation in the stop band [dB], > 0
+/// @param order        1 to 12
+/// @param attenuation  minimum attenuation in the stop band [dB], 0 < attenuation < 300
 /// @param edge         start of the stop band, as a fraction of half the sample rate, 0 < edge < 1
+/// @throws InvalidInput  if an argument is out of range
 [[nodiscard]] DigitalFilter chebyshev2(int order, double attenuation, double edge);
 
 /// fir1(order, cutoff): impulse response of the ideal low pass with a Hamming window; order + 1
 /// coefficients, gain 1/2 at the cutoff.
+/// @param order, cutoff  as for butterworth()
+/// @throws InvalidInput  if the order or the cutoff is out of range
 [[nodiscard]] DigitalFilter windowed_fir(int order, double cutoff);
 
 }  // namespace quadtune

@@ -32,8 +32,10 @@ namespace quadtune {
 /// The propeller sets that scale the thrust of the firmware; empty except for the Crazyflie.
 [[nodiscard]] std::vector<std::string> firmware_setups(FirmwareKind kind);
 
+/// The version and setup that options select.
 /// @param kind     of the firmware
-/// @param options  version and setup; empty words select the usual version and setup
+/// @param options  empty strings select the default version and the first of firmware_setups(); the
+///                 default is the newest version but for PX4 (1.16) and ArduPilot (4.6)
 /// @param where    prefix of messages
 /// @throws InvalidInput  if the version is malformed or older than the oldest known one, or the
 ///                       setup does not exist

@@ -36,7 +36,7 @@ inline constexpr char kFlightCodeTarget[] = "c";
 /// @throws FileError, InvalidInput
 [[nodiscard]] FlightCodeOptions read_flight_code_options(const std::filesystem::path& directory);
 
-/// The files that hold the options and the schedule.
+/// Name of the file that holds the options.
 inline constexpr char kFlightCodeName[] = "flight_code.json";
 /// Name of the file that holds the gain schedule.
 inline constexpr char kScheduleJsonName[] = "schedule.json";

@@ -19,8 +19,8 @@ struct ImuCalibrationFile {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [counts]
   };
   Sensor accelerometer;  ///< [m/s²]
-  Sensor gyroscope;      ///< [1], relative to the norm of the field
-  Sensor magnetometer;   ///< [1], of the field's norm
+  Sensor gyroscope;      ///< [rad/s]
+  Sensor magnetometer;   ///< [1], relative to the norm of the field
 
   bool with_temperature = true;            ///< false: older file of 36 numbers, without the
                                            ///< following ones

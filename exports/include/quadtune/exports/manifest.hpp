@@ -88,6 +88,7 @@ inline constexpr char kManifestName[] = "manifest.json";  ///< name of the manif
 
 /// Reads manifest.json of a directory.
 /// @throws FileError     if it cannot be read
+/// @throws InvalidInput  as parse_manifest()
 [[nodiscard]] Manifest read_manifest(const std::filesystem::path& directory);
 
 }  // namespace quadtune

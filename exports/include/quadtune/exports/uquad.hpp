@@ -52,7 +52,8 @@ struct UquadFileSet {
 /// kalman-R.txt if the filter's diagonals are given.
 ///
 /// @param gains  in the convention uquad, with the states and integrals of a build
-/// @param Q  (nx + ni square) weights of states and integrals, in the gain's order; may be empty
+/// @param Q  (n × n), n = nx + ni, weights of states and integrals, in the gain's order; may be
+///           empty
 /// @param R  (4 × 4); may be empty
 /// @param filter  diagonals of Q and R of the filter; empty: no such files
 /// @throws InvalidInput  as uquad_file_set(), or if an entry is not finite

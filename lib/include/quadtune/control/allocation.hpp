@@ -20,11 +20,12 @@ template <class T>
 struct Allocation {
   int rotors = 0;  ///< number of rotors, 1 to kMaxRotors
   Eigen::Matrix<T, kMaxRotors, 4> P = Eigen::Matrix<T, kMaxRotors, 4>::Zero();  ///< [1, 1/m …]
-  Eigen::Matrix<T, 4, kMaxRotors> M = Eigen::Matrix<T, 4, kMaxRotors>::Zero();  ///< M P = 1
-  Eigen::Matrix<T, 4, 1> wrench0 = Eigen::Matrix<T, 4, 1>::Zero();              ///< at hover
-  RotorSpeeds<T> thrust0;                                                       ///< at hover [N]
-  std::array<T, kMaxRotors> a2{};                                               ///< thrust curves
-  std::array<T, kMaxRotors> a1{};  ///< likewise, T = a2 w² + a1 w
+  /// From changes of the thrusts to those of the wrench; M P is the identity.
+  Eigen::Matrix<T, 4, kMaxRotors> M = Eigen::Matrix<T, 4, kMaxRotors>::Zero();
+  Eigen::Matrix<T, 4, 1> wrench0 = Eigen::Matrix<T, 4, 1>::Zero();  ///< at hover
+  RotorSpeeds<T> thrust0;                                           ///< at hover [N]
+  std::array<T, kMaxRotors> a2{};                                   ///< thrust curves
+  std::array<T, kMaxRotors> a1{};                                   ///< likewise, T = a2 w² + a1 w
 };
 
 /// The allocation of a vehicle, with the hover thrusts of least norm.

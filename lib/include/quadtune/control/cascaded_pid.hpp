@@ -20,7 +20,7 @@ template <class T>
 struct CascadedPidSettings {
   std::array<PidSettings<T>, kCascadeAxes> loops{};  ///< by CascadeAxis
   T attitude_limit = T(0);                           ///< of the references of roll and pitch [rad]
-  /// M g, added to the altitude loop's command [N].
+  /// m g, from which the altitude loop's command, a force along +z, is subtracted [N].
   T weight = T(0);
   T take_off_thrust = T(0);  ///< in FlightPhase::take_off [N]
   /// Maximum thrust that the altitude loop may command [N].

@@ -20,7 +20,7 @@ enum class AllocationRule {
   /// Saturates each motor's command at its own limit, as the source programs do.
   clipped,
 };
-/// "prioritized", "clipped", and back.
+/// "prioritized" or "clipped".
 [[nodiscard]] std::string to_string(AllocationRule rule);
 /// @throws InvalidInput  with the unknown name and the two valid ones.
 [[nodiscard]] AllocationRule allocation_rule(const std::string& name, const std::string& where);

@@ -76,14 +76,14 @@ struct PidOutput {
   MaskOf<Scalar> finite = true;
 };
 
-/// d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
+/// The derivative part: d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
 template <class Scalar>
 struct PidDifference {
   Scalar pole = 0;  ///< of the filter; 0: no memory
   Scalar gain = 0;  ///< on the change of the input
 };
 
-/// I[k] = I[k-1] + Ki dt (now · error[k] + before · error[k-1]).
+/// The integral part: I[k] = I[k-1] + Ki dt (now · error[k] + before · error[k-1]).
 template <class Scalar>
 struct PidQuadrature {
   Scalar now = 0;     ///< weight of the present error
@@ -104,7 +104,8 @@ template <class Scalar>
   return {0, 1};
 }
 
-/// Zero if the rate is measured, since no difference is needed then.
+/// The coefficients of the derivative part; zero if the rate is measured, since no difference is
+/// needed then.
 template <class Scalar>
 [[nodiscard]] constexpr PidDifference<Scalar> pid_difference(
     const PidSettings<Scalar>& settings) noexcept {
@@ -212,7 +213,7 @@ void validate(const PidSettings<double>& settings, const std::string& where);
 /// The same for single precision.
 void validate(const PidSettings<float>& settings, const std::string& where);
 
-/// A loop of a cascade as a PID element: derivative of the measured rate, integral by forward
+/// A loop of a cascade as a PID element: PidDerivative::measured_rate, integral by forward
 /// Euler, no limits. The sign of Kd changes, since PidLoop adds Kd · rate and the element subtracts
 /// it.
 /// @throws InvalidInput  as validate(), with the name of the loop.
@@ -221,7 +222,7 @@ void validate(const PidSettings<float>& settings, const std::string& where);
 /// The input of a transfer function of the element; the output is always that of the element. By
 /// linearity, output = set_point · r + measurement · y + rate · y'.
 enum class PidChannel {
-  error,      ///< -measurement: the controller in the loop's transfer function
+  error,      ///< minus the channel `measurement`: the controller in the loop's transfer function
   set_point,  ///< with the weights b and c
   /// -(Kp + I + D); excludes the D of a measured rate.
   measurement,

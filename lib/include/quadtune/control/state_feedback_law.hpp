@@ -57,7 +57,7 @@ struct StateFeedbackSettings {
   /// Gain on the modelled actuator states, see CommandMemory.
   Eigen::Matrix<T, kMaxRotors, kMaxRotors> K_lag = Eigen::Matrix<T, kMaxRotors, kMaxRotors>::Zero();
   int past = 0;                                              ///< 0 to kMaxPastCommands
-  Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past inputs)
+  Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past · inputs)
 };
 
 /// The state kept from one sample to the next.
@@ -72,10 +72,11 @@ struct StateFeedbackState {
   Eigen::Matrix<T, Eigen::Dynamic, 1> commands = {};  ///< newest first; empty: none yet
 };
 
-/// The transformation of gains from a convention to the states and inputs of ned_convention().
+/// The transformation of gains from a convention to the states x_ned and inputs u_ned of
+/// ned_convention(); x and u are those of the gains.
 struct FeedbackTransformation {
-  Eigen::MatrixXd inputs;     ///< (nu × nu) u_own = inputs · u: a signed permutation
-  Eigen::MatrixXd states;     ///< (nx × 12) x = states · x_own
+  Eigen::MatrixXd inputs;     ///< (nu × nu) u_ned = inputs · u: a signed permutation
+  Eigen::MatrixXd states;     ///< (nx × 12) x = states · x_ned
   Eigen::VectorXd integrals;  ///< (ni) sign of each integral
   double law = 1;             ///< 1, or -1 if the gains multiply x - sp
 
@@ -87,8 +88,9 @@ struct FeedbackTransformation {
                 StateFeedbackSettings<double>& settings) const;
 };
 
-/// @throws InvalidInput  if the states are not the 12 of the convention or the inputs not the
-///                       vehicle's
+/// The transformation of these gains.
+/// @throws InvalidInput  if a state is not one of the 12 of the convention or the inputs are not
+///                       the vehicle's
 [[nodiscard]] FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains);
 
 /// Converts gains of any convention, sign law and input kind to a law of a vehicle.

@@ -9,8 +9,8 @@ namespace quadtune {
 /// The firmware state for which a parameter file is written. quadtune/exports/firmware.hpp lists
 /// the supported ones.
 struct FirmwareOptions {
-  /// E.g. "1.15": parameter names, meanings and scales depend on it. Empty: the newest supported
-  /// one.
+  /// E.g. "1.15": parameter names, meanings and scales depend on it. Empty: the default version of
+  /// firmware(), which is not always the newest supported one: "1.16" for PX4, "4.6" for ArduPilot.
   std::string version = {};
   /// For a Crazyflie, whose firmware scales thrust by its propellers: "standard", "legacy",
   /// "thrust-kit" or "brushless". Empty: "standard".

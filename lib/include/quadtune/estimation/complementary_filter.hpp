@@ -54,8 +54,9 @@ template <class T>
 /// Processes one sample. With w the mean of this and the previous gyroscope sample, bias
 /// subtracted,
 ///
-///     angles ← angles + dt E(angles half way) w
-///   roll, pitch ← + α weight · (accelerometer tilt - roll, pitch),   α = dt/(τ + dt)
+///     angles ← angles + dt E(angles half way) w,   E = bounded_euler_rates()
+///     (roll, pitch) ← (roll, pitch) + α weight (accelerometer tilt - (roll, pitch)),
+///                     α = dt/(τ + dt), τ = time_constant
 ///
 /// While the angles are constant, a tilt error decays by the factor τ/(τ + dt) per sample, and a
 /// gyroscope bias b causes a steady tilt error of b τ. The yaw is only integrated.

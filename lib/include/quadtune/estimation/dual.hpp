@@ -170,7 +170,8 @@ struct Linearized {
   Eigen::MatrixXd jacobian;  ///< ∂f/∂x
 };
 
-/// Evaluates f and its Jacobian, exactly up to rounding. f is called once for four entries of x.
+/// Evaluates f and its Jacobian, exactly up to rounding. f is called once for every four
+/// entries of x.
 /// @param f  maps a ModelVector<Dual> to a vector of Dual or to one Dual
 /// @param x  the point, at least one entry
 /// @throws InvalidInput  if the size of f(x) varies, or x is empty

@@ -34,13 +34,13 @@ struct ExtendedUpdate {
 /// x[k+1] = f(x[k], u[k], dt) + w, w with covariance Q;  y = h(x, u) + v, v with covariance R.
 ///
 /// f and h are templates over the scalar T (double or Dual): they receive x as a ModelVector<T> and
-/// return a vector of T, h also one T. Elementary functions are called unqualified after
-/// `using std::sin;`. u is passed on unchanged and may have any type; {} is an empty VectorXd.
-/// After an exception, the filter is as before the call.
+/// return a vector of T; h may also return a single T. Elementary functions are called unqualified
+/// after `using std::sin;`. u is passed on unchanged and may have any type; {} is an empty
+/// VectorXd. After an exception, the filter is as before the call.
 class ExtendedKalmanFilter {
  public:
   /// Corrects x after each prediction and each update, such as a quaternion to unit length. P is
-  /// not changed, so that the correction must be small, of the second order in the error of x.
+  /// not changed, so the correction must be small, of the second order in the error of x.
   using Correction = std::function<void(Eigen::VectorXd& x)>;
 
   /// @param x0  (nx) initial state, nx ≥ 1

@@ -19,6 +19,7 @@ namespace quadtune {
 /// Parses a filter model from the text of its file.
 /// @param text    content of the file
 /// @param origin  name of the text in messages
+/// @throws InvalidInput  "origin:line: …" if the text has a mistake
 [[nodiscard]] FilterModel parse_filter_model(const std::string& text, const std::string& origin);
 
 /// Returns the text of a file that parse_filter_model() reads as this model, including its starts.

@@ -168,6 +168,7 @@ void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
 /// Processes one control period: predicts the horizon's state by one period, corrects it by every
 /// sample whose time the horizon has reached or passed, and predicts the present estimate from it.
 ///
+/// The horizon is the instant horizon_periods() before the present, to which the state refers.
 /// Samples that are not finite count as not fresh.
 /// @param settings  accepted by validate()
 /// @param state     of the last period; receives the new one

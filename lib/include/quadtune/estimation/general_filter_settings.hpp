@@ -59,14 +59,14 @@ struct RangeAid {
   Aid aid;                                               ///< [m]
   double min = 0;                                        ///< shortest range that is used [m]
   double max = std::numeric_limits<double>::infinity();  ///< longest range that is used [m]
-  double min_cosine = 0.5;  ///< cosine of the tilt above which the range is not used
+  double min_cosine = 0.5;  ///< cosine of the largest tilt at which the range is used, (0, 1]
 
   friend bool operator==(const RangeAid&, const RangeAid&) = default;
 };
 
 /// Barometer. The variance refers to the height [m²].
 struct PressureAid {
-  Aid aid;               ///< lag, variance and scale of the pressure reading
+  Aid aid;               ///< lag and scale of the pressure reading, variance of the height [m²]
   double zero = 101325;  ///< pressure at the world's origin [Pa], > 0
   /// d(pressure)/d(height) [Pa/m], < 0; NaN: the standard atmosphere.
   double fall = std::numeric_limits<double>::quiet_NaN();
@@ -83,7 +83,7 @@ struct PressureAid {
 
 /// Magnetometer, used for the heading only. The variance refers to the heading [rad²].
 struct HeadingAid {
-  Aid aid;                 ///< lag, variance and scale of the reading
+  Aid aid;                 ///< lag and scale of the reading, variance of the heading [rad²]
   double declination = 0;  ///< of magnetic north, positive to the east [rad]
   /// Of the expected field: vertical over horizontal part, tan(inclination) [1]
   double dip = 0;
@@ -125,8 +125,8 @@ struct GeneralFilterSettings {
   /// A sensor that was rejected for this time, and at least three times in a row, is accepted again
   /// [s], ≥ 0.
   double recovery_time = 1;
-  /// Standard deviations of the assumed zero velocity and zero rates while the vehicle stands on
-  /// the ground.
+  /// Standard deviation of the assumed zero velocity while the vehicle stands on the ground. That
+  /// of the zero rates is the noise of the gyroscope.
   double standing_velocity = 0.02;  ///< [m/s], > 0
   /// Minimum standard deviation of the vertical velocity at lift-off [m/s], ≥ 0: the springs of the
   /// landing gear accelerate the vehicle between two samples of the accelerometer.
@@ -187,7 +187,7 @@ struct GeneralFilterNoise {
 /// @param dt       control period [s]
 /// @param gravity  [m/s²]
 /// @param magnetic_field  magnetic field of the earth in world axes [µT], for the heading
-/// @param noise    noise of the model; the sensors' noise is that of `sensors`
+/// @param noise    process noise, and minimum noise of a sample, used where `sensors` states less
 /// @throws InvalidInput  if the accelerometer or the gyroscope is missing or its lag is too large
 [[nodiscard]] GeneralFilterSettings general_filter_settings(const Sensors& sensors, double dt,
                                                             double gravity,

@@ -33,7 +33,7 @@ struct FedSignals {
 ///
 /// @param path     of the log
 /// @param model    names the inputs and outputs
-/// @param signals  of the model
+/// @param signals  the inputs and outputs of the model that are read
 /// @param options  how the log is read
 /// @throws InvalidInput  if the log does not contain a signal, or contains it in several tables;
 ///                       for a signal without a unit whose name is a single letter, and therefore

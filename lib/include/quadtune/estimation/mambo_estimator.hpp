@@ -79,7 +79,9 @@ struct MamboEstimatorSettings {
   T vision_R = T(0.0025);  ///< measurement noise of a vision position, per axis [m²]
 
   /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
-  /// differ in precision: one visitor converts, compares and serializes.
+  /// differ in precision: one visitor converts, compares and serializes. The names are those of
+  /// stored files and messages; those of sonar_min, sonar_max and flow_min_height are
+  /// "sonar_least", "sonar_greatest" and "flow_least_height".
   template <class F, class... Settings>
   static void each_field(F&& f, Settings&... s) {
     f("dt", s.dt...);

@@ -63,7 +63,7 @@ struct Reference {
   T yaw = T(0);                              ///< not wrapped [rad]
   T roll = T(0);                             ///< [rad]; used if track_position is false
   T pitch = T(0);                            ///< [rad]; used if track_position is false
-  bool track_position = true;  ///< controlModePosVsOrient: position, or attitude and height
+  bool track_position = true;  ///< true: position is tracked; false: attitude and height
   FlightPhase phase = FlightPhase::flying;  ///< mode of the motors
   /// In FlightPhase::motors: 0 is the minimum command, 1 the maximum; negative: the motor is
   /// stopped.

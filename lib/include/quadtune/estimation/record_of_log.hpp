@@ -18,9 +18,9 @@ struct ChannelUse {
 };
 
 /// Converts the channels of a log to records. The instants of a record are all times at which a
-/// sample was taken (Sensor::delay before it was logged) or an input changed. A record begins when
-/// every input has a sample. It is split where an input is missing for more than ten of its typical
-/// periods, since the value of the input is unknown there.
+/// sample was taken (FilterSensor::delay before it was logged) or an input changed. A record begins
+/// when every input has a sample. It is split where an input is missing for more than ten of its
+/// typical periods, since the value of the input is unknown there.
 ///
 /// @param model  accepted by validate()
 /// @param uses   every input of the model and at least one output; the other outputs count as not

@@ -26,6 +26,8 @@ template <class T>
 
 /// Estimate that includes the present measurement: e = y - C x, x + M e. Entries of y that are not
 /// finite are not used.
+/// @param y  (ny)
+/// @return   (nx)
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> correct(
     const KalmanFilter& filter, SteadyFilterState<T>& state,
@@ -44,6 +46,7 @@ template <class T>
 /// Predicts the next period: x ← A x + B u + L e. This advances the estimate x + M e and includes
 /// the correlation between process and measurement noise. Entries of u that are not finite count as
 /// 0.
+/// @param u  (nu)
 template <class T>
 void predict(const KalmanFilter& filter, SteadyFilterState<T>& state,
              const Eigen::Matrix<T, Eigen::Dynamic, 1>& u) {

@@ -49,8 +49,8 @@ struct UquadFilterSettings {
 
   UquadVector<T> Q = uquad_variances<T>(100, 1, 100, 10, 1);  ///< process noise
   UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);      ///< of the initial state
-  T R_tilt = T(10);           ///< roll and pitch from the accelerometer [rad²] (psi, phi)
-  T R_yaw = T(1000);          ///< from the magnetometer [rad²] (theta)
+  T R_tilt = T(10);           ///< roll and pitch from the accelerometer [rad²] (uquad: psi, phi)
+  T R_yaw = T(1000);          ///< from the magnetometer [rad²] (uquad: theta)
   T R_force = T(1e4);         ///< accelerometer, per axis [m²/s⁴]
   T R_rates = T(100);         ///< gyroscope, per axis [rad²/s²]
   T R_height = T(1000);       ///< barometer [m²]
@@ -79,8 +79,9 @@ struct UquadFilterSettings {
   /// [Pa] at z = 0. The calibration replaces it by its mean, which refers to the z of the initial
   /// state.
   T reference_pressure = T(101325);
-  /// Time without GPS and vision after which u and v are measured as 0 with zero_velocity_variance in every
-  /// period [s]. No other sensor observes them, and their covariance would grow without bound.
+  /// Time without GPS and vision after which u and v are measured as 0 with
+  /// zero_velocity_variance in every period [s]. No other sensor observes them, and their
+  /// covariance would grow without bound.
   T gps_timeout = T(3);
   /// [m²/s²]; 100 at 100 Hz is equivalent to 0 ± 1 m/s about once per second
   T zero_velocity_variance = T(100);
@@ -88,7 +89,8 @@ struct UquadFilterSettings {
   T standing_variance = T(0.01);
 
   /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
-  /// differ in precision: one visitor converts, compares and serializes.
+  /// differ in precision: one visitor converts, compares and serializes. The names are those of
+  /// stored files and messages; that of zero_velocity_variance is "still_variance".
   template <class F, class... Settings>
   static void each_field(F&& f, Settings&... s) {
     f("dt", s.dt...);

@@ -69,7 +69,7 @@ class UnknownChannel : public InvalidInput {
 [[nodiscard]] LogSeries interpolated(const LogSeries& series, const Samples& times);
 
 /// Rejects a series that no method can use, with a one-line message that begins with `where`: no
-/// times, fewer than `least` samples (NaN not counted), or times that do not increase.
+/// times, fewer than `min` samples (NaN not counted), or times that do not increase.
 /// @throws InvalidInput
 void require_usable(const LogSeries& series, const std::string& where, std::size_t min = 2);
 

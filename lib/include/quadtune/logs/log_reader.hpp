@@ -83,7 +83,8 @@ struct LogOptions {
   std::vector<LogColumnChoice> columns;  ///< for text; empty: all columns
   /// > 0: row i of a text is at time i / rate, even if the text contains times
   double rate_hz = 0;
-  std::optional<std::int64_t> epoch_s;              ///< time 0 in the clock of the file [s]
+  std::optional<std::int64_t> epoch_s;              ///< time 0 in the clock of the file [s]; empty:
+                                                    ///< as described at LogReader::epoch_s()
   std::size_t memory_limit = std::size_t{4} << 30;  ///< for all variables of a MAT file [bytes]
 };
 

@@ -41,6 +41,7 @@ struct Atmosphere {
   double ground_height = 0;
 
   /// @param height  above the world's origin [m], that is -pz.
+  /// @throws InvalidInput  as standard_atmosphere(), for AtmosphereModel::standard only
   [[nodiscard]] Air at(double height) const;
 };
 

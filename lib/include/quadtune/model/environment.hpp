@@ -26,6 +26,7 @@ struct Wind {
 };
 
 /// Parses "calm", "light", "moderate", "severe" or a list like "north=3, gust_east=2, gust_at=5".
+/// A strength sets Wind::turbulence and, to the same speed, the north component of Wind::mean.
 /// @throws InvalidInput  with the rejected text
 [[nodiscard]] Wind parse_wind(const std::string& words, const std::string& where);
 

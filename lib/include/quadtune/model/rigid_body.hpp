@@ -361,7 +361,7 @@ template <class P, class T>
   return derivative;
 }
 
-/// Converts the 12 states to the 13 and back (roll is 0 if the nose points straight up or down).
+/// Converts the 12 states to the 13.
 template <class T>
 [[nodiscard]] QuaternionState<T> quaternion_state(const StateVector<T>& x) {
   const Eigen::Quaternion<T> q = quaternion_of_euler(x(3), x(4), x(5));
@@ -370,7 +370,8 @@ template <class T>
   return result;
 }
 
-/// The 12 states with the Euler angles of the quaternion; the inverse of quaternion_state().
+/// The 12 states with the Euler angles of the quaternion; the inverse of quaternion_state(). Roll
+/// is 0 if the nose points straight up or down.
 template <class T>
 [[nodiscard]] StateVector<T> euler_state(const QuaternionState<T>& x) {
   const Eigen::Quaternion<T> q(x(3), x(4), x(5), x(6));

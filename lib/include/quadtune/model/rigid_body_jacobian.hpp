@@ -31,8 +31,8 @@ template <class T>
   return M;
 }
 
-/// ∂/∂x of state_derivative(body, x, loads) with 12 states and constant loads. Not valid for
-/// |pitch| near 90° either.
+/// ∂/∂x of state_derivative(body, x, loads) with 12 states and constant loads. Like that
+/// function, not valid for |pitch| near 90°.
 template <class T>
 [[nodiscard]] StateJacobian<T> state_jacobian(const RigidBody& body, const StateVector<T>& x,
                                               const RotorLoads<T>& loads) {

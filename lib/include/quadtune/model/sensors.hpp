@@ -53,17 +53,17 @@ struct FlowSensor {
   double max_height = std::numeric_limits<double>::infinity();  ///< maximum height [m]
   /// Noise that is proportional to the height, added in quadrature [rad/s/m].
   double noise_per_height = 0;
-  /// Rate gain of the simplified sensor of the source, eq. 6.8 there.
+  /// Gain of the body rates in FlowModel::simplified [1], eq. 6.8 of the thesis on the Mambo.
   double simplified_rate_gain = 0.8;
 };
 
 /// Barometer.
 struct BarometerSensor {
   SensorFaults faults;  ///< [Pa]
-  /// Pressure at the world's origin [Pa] and its decrease with height [Pa/m]; NaN selects the
-  /// decrease of the standard atmosphere.
+  /// Pressure at the world's origin [Pa].
   double ground_pressure = 101325;
-  double fall = std::numeric_limits<double>::quiet_NaN();  ///< see ground_pressure [Pa/m]
+  /// d(pressure)/d(height) [Pa/m], < 0; NaN: that of the standard atmosphere.
+  double fall = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Position and velocity from satellite navigation, world axes.

@@ -109,7 +109,7 @@ struct Vehicle {
   std::string text;            ///< the bytes of that file, for the manifest's hash
 };
 
-/// Thrust and drag torque of one rotor, a Rotor or a BasicRotor, at speed w [rad/s].
+/// Thrust of one rotor, a Rotor or a BasicRotor, at speed w [rad/s] [N].
 /// `density_ratio` is the air density relative to that of the rotor curves.
 template <class AnyRotor, class T, class P = double>
 [[nodiscard]] T rotor_thrust(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {

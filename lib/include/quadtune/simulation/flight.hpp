@@ -66,6 +66,7 @@ enum class EstimatorKind {
 [[nodiscard]] std::string to_string(EstimatorKind kind);
 
 /// The estimator of a name.
+/// @throws InvalidInput  with the unknown name and the known ones
 [[nodiscard]] EstimatorKind estimator_kind(const std::string& name, const std::string& where);
 
 /// Model of the optical flow sensor.
@@ -78,6 +79,7 @@ enum class FlowModel {
 [[nodiscard]] std::string to_string(FlowModel model);
 
 /// The model of a name.
+/// @throws InvalidInput  with the unknown name and the known ones
 [[nodiscard]] FlowModel flow_model(const std::string& name, const std::string& where);
 
 /// Limits beyond which the flight program aborts: it stops the motors, and the flight has failed.

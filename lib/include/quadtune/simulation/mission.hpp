@@ -85,9 +85,9 @@ struct KeyPress {
 };
 
 /// Keys of the Mambo's model project and, if they change a set point, of the manual mode of the
-/// uquad program: d and a change roll by ±0.05 rad, w and s pitch by ±0.05 rad (both switch from
-/// position to attitude set points), j and l yaw by ±0.2 rad, i and k height by ±0.2 m, y and h
-/// height by ±0.6 m; r is home, e is abort.
+/// uquad program: d and a change roll by ±0.05 rad, w and s pitch by ±0.05 rad (all four switch
+/// from position to attitude set points), j and l yaw by ±0.2 rad, i and k height by ±0.2 m, y and
+/// h height by ±0.6 m, the first of each pair by the positive amount; r is home, e is abort.
 inline constexpr char kMissionKeys[] = "dawsjlikyhre";
 
 /// A pilot at the keyboard; each press changes the set point. Home returns to position set points
@@ -178,7 +178,7 @@ void validate(const Mission& mission, const std::string& where);
 /// @throws InvalidInput  naming the motor
 void require_motors(const Mission& mission, int rotors, const std::string& where);
 
-/// Maximum size of a mission file, and of a reference file that it names [bytes].
+/// Maximum size of a mission file [bytes].
 inline constexpr std::size_t kMissionFileLimit = std::size_t{1} << 20;
 /// Maximum size of a reference file that a mission names [bytes].
 inline constexpr std::size_t kScriptFileLimit = std::size_t{16} << 20;

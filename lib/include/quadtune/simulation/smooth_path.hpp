@@ -43,8 +43,8 @@ struct LinePath {
   friend bool operator==(const LinePath&, const LinePath&) = default;
 };
 
-/// Circle; s is the angle travelled: centre + |radius| (cos b, sin b, 0) at the bearing b = from
-/// ± s.
+/// Circle; s is the angle travelled: centre + |radius| (cos b, sin b, 0) at the bearing
+/// b = `bearing` + s for a right turn, `bearing` - s for a left turn.
 struct CirclePath {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< world [m]
   double radius = 0;   ///< [m], not 0; positive: right turn (clockwise seen from above)

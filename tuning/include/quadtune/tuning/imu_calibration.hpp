@@ -43,7 +43,8 @@ struct SensorCalibration {
 
   /// Root mean square residual. Accelerometer and magnetometer: norm minus gravity [m/s²] or field;
   /// gyroscope: angle between the rotated and the measured gravity [rad].
-  /// With one scale for all axes and, for the gyroscope, its bias subtracted
+  /// Before the calibration: with one scale for all axes and, for the gyroscope, its bias
+  /// subtracted.
   double residual_before = 0;
   double residual_after = 0;  ///< with the calibration
 

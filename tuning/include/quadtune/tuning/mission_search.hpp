@@ -20,8 +20,8 @@ struct DesignLimit {
   bool at_least = false;  ///< the bound is a minimum; otherwise it is a maximum
   double min = 0;         ///< minimum over all designs: 1 for an Ms
 
-  /// excess_of() the violation relative to the distance of the bound from `least`; an infinite
-  /// margin satisfies any bound.
+  /// excess_of() applied to the violation divided by the distance of the bound from `min`; an
+  /// infinite margin satisfies any bound.
   [[nodiscard]] double excess() const;
 };
 

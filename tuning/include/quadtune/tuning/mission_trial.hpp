@@ -35,10 +35,11 @@ enum class RobustMeasure {
   quantile,  ///< TrialRequest::share of the draws have at most this cost
   worst,
 };
-/// Converts to "mean", "quantile", "worst", and back.
+/// "mean", "quantile" or "worst".
 [[nodiscard]] std::string to_string(RobustMeasure measure);
 
-/// The measure of a name.
+/// The measure of a name, the inverse of to_string().
+/// @throws InvalidInput  with the unknown name and the three known ones
 [[nodiscard]] RobustMeasure robust_measure(const std::string& name, const std::string& where);
 
 /// Minimum tail probability of a quantile. Quantiles farther out cannot be estimated with a
@@ -67,7 +68,7 @@ struct TrialLimit {
   double value = 0;  ///< infinite if a flight ended early or never reached the event
   double max = 0;    ///< the limit
 
-  /// excess_of() the violation relative to the limit, or the value itself if the limit is 0.
+  /// excess_of() applied to the violation divided by the limit, or to the value if the limit is 0.
   [[nodiscard]] double excess() const;
 };
 
@@ -113,10 +114,10 @@ class MissionTrial {
   MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads = 0,
                const Stop& interrupted = {});
 
-  /// Flies the draws `first` to `first + count` - 1; by default the first draws of the request.
+  /// Flies the first TrialRequest::draws draws.
   /// @throws Interrupted
   [[nodiscard]] TrialOutcome fly(const Controller& controller, const Stop& interrupted = {}) const;
-  /// The same for `count` draws from `first` on.
+  /// The same for the draws `first` to `first + count` - 1.
   [[nodiscard]] TrialOutcome fly(const Controller& controller, std::uint32_t first,
                                  std::uint32_t count, const Stop& interrupted = {}) const;
 

@@ -33,8 +33,9 @@ struct SmoothedStates {
   [[nodiscard]] bool solved() const { return status == SmootherStatus::solved; }
 };
 
-/// Minimizes Σ |y - C x|²_R + Σ |x[k+1] - F x[k] - B u[k]|²_Q + |x[0] - x0|²_P0. The multipliers of
-/// the dynamics are unknowns too, so that Q may be singular. The system, ordered by time, is
+/// Minimizes Σ |y - C x|²_R + Σ |x[k+1] - F x[k] - B u[k]|²_Q + |x[0] - x0|²_P0, where |e|²_S is
+/// eᵀ S⁻¹ e and Q is the covariance of G w per step. The multipliers of the dynamics are unknowns
+/// too, so that Q may be singular. The system, ordered by time, is
 /// factored as L D Lᵀ without pivoting by CHOLMOD: its pivots are the negative predicted
 /// covariances and the filtered information matrices. Theory: "Covariances from logs".
 ///
