@@ -87,7 +87,7 @@ TEST(ModelNeeds, LeavesAChoiceBetweenTablesToTheUser) {
   add("imu1", "az", "m/s^2");
   const ModelNeeds found = model_needs(model, log);
   ASSERT_EQ(found.missing.size(), 1u);
-  EXPECT_EQ(found.missing[0].why, "is in several tables");
+  EXPECT_EQ(found.missing[0].why, "is in several groups of the log");
   EXPECT_THAT(found.missing[0].candidates, ElementsAre("imu0.az", "imu1.az"));
 }
 

@@ -566,8 +566,9 @@ TEST(Experiments, DocumentSaysWhatIsComputed) {
       "reason for differences.\n\n"
       "Two sets of gains and two estimators are compared. The designed gains are those of\n"
       "`quadtune pid mambo --method loops --json -o gains.json`. The original estimator is that "
-      "of the\nthesis. The calibrated estimator has no factor 1.15 and subtracts the rotation of "
-      "the body from\nthe flow.\n\n" +
+      "of the\nthesis, which multiplies the flow by 1.15. The calibrated estimator omits this "
+      "factor "
+      "and subtracts\nthe rotation of the body from the flow.\n\n" +
           methods_chapter() + hover_chapter() + carried_chapter()));
 }
 
