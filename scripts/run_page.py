@@ -4,7 +4,8 @@
 
 In a fenced block of the language `console`, a line that begins with "$ " is a command for bash, and
 the lines below it are what it prints, both streams together. A line "..." stands for any number of
-lines. A command must exit with 0, unless it ends with "# exit status N". The commands of a page run one after another in one folder, which has links to the vehicles,
+lines. A command must exit with 0, unless it ends with "# exit status N". The commands of a page run
+one after another in one folder, which has links to the vehicles,
 missions, designs and other examples of SOURCE; the program is found as `quadtune`. A block below the
 line `<!-- not run: WHY -->` is left out. Fences of the language `toml` or `python` whose first line
 is "# FILE.toml" or "# FILE.py" are written to that file first.
