@@ -90,10 +90,6 @@ ExportContent content_of(const Options& options, const Context& context) {
     return content;
   }
   const std::vector<std::string> forced = forced_of(options.source);
-  if (forced.empty() && options.force)
-    refuse("export", "--force",
-           "--force is not needed: there is no reason against the export of {}",
-           internal::printable(options.source));
   if (!forced.empty() && !options.force)
     throw Refusal(fmt::format("export: {}: was exported with --force although {}; nothing was "
                               "written; use --force to export it",
@@ -165,6 +161,18 @@ void run_export(const Options& options, Context& context) {
   if (const std::string problem = unstable_loop(content);
       !problem.empty() && !(options.of_design() && options.force))
     throw Refusal(fmt::format("export: {}; nothing was written", problem), content.vehicle.name);
+  if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
+    if (!options.force)
+      throw Refusal(fmt::format("export: {}: {}; nothing was written; use gains of `quadtune pid V "
+                                "--for {}`, or --force to export these",
+                                internal::printable(options.source), weak, options.to),
+                    options.source);
+    content.forced.push_back(weak);
+  }
+  if (content.forced.empty() && options.force && !options.of_design())
+    refuse("export", "--force",
+           "--force is not needed: there is no reason against the export of {}",
+           internal::printable(options.source));
   if (!options.of_design() && !options.of_schedule())
     context.note(
         "export: note: only what the source holds is exported: gains, trim, cascade, estimator and "

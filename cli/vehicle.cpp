@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -166,9 +167,22 @@ void make_vehicle(Options& options, Context& context) {
   context.print([&] { return new_vehicle_json(made); }, [&] { return made.text; });
 }
 
+/// A vehicle file is edited by hand after it was written, so it is not replaced.
+void require_new_file(const CommandLine& line) {
+  const Option* const output = line.find("-o");
+  if (output == nullptr || !output->was_given()) return;
+  const std::string& file = output->values().back();
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored))
+    throw FileError(file, "exists, and may have been edited; expected the name of a new file");
+}
+
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_action(options);
-  if (options.action == "new") return make_vehicle(options, context);
+  if (options.action == "new") {
+    require_new_file(line);
+    return make_vehicle(options, context);
+  }
   line.refuse_given({"--mass", "--arm", "--propeller", "--rotors", "--layout", "--spin", "--blades",
                      "--max-thrust", "--thrust-to-weight", "--max-speed", "--hover-speed", "--lag",
                      "--inertia", "--sensors", "--brushed", "--ask"},

@@ -10,9 +10,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -257,10 +259,20 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   if (fd.get() < 0 && errno == ENOTDIR)
     throw FileError(path.string(), "is a file, expected a directory to write into");
   if (fd.get() < 0) fail(path, errno);
-  // Excludes concurrent writers; file systems without locks are not protected.
-  const bool locked = ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0;
-  if (!locked && errno == EWOULDBLOCK)
-    throw FileError(path.string(), "another quadtune process is writing to it");
+  // Excludes concurrent writers; file systems without locks are not protected. A writer is done in
+  // milliseconds, unless the disk is slow.
+  constexpr auto kPatience = std::chrono::seconds(3);
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (std::chrono::steady_clock::now() > until)
+      throw FileError(
+          path.string(),
+          fmt::format("another quadtune process has been writing to it for {} s; repeat "
+                      "the command when that process has ended",
+                      kPatience.count()));
+    stop_if_interrupted();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 
   Transaction transaction(path, fd.get());
   for (const FileContent& file : files) {

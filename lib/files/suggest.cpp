@@ -45,6 +45,13 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
       best = candidate;
     }
   }
+  if (!best.empty()) return best;
+  // A part of a longer name: "--thrust" of "--max-thrust".
+  const std::string part = word.substr(dashes);
+  for (const std::string& candidate : known)
+    if (candidate.find(part) != std::string::npos &&
+        (best.empty() || candidate.size() < best.size()))
+      best = candidate;
   return best;
 }
 

@@ -84,12 +84,15 @@ class Search {
   bool arm() {
     if (!(arm_ > 0)) return false;
     const PlausibleRange range{std::cbrt(vehicle_.mass / 5000), std::cbrt(vehicle_.mass / 5)};
-    return look("arm (mean distance of the rotors from the centre)", "m", arm_, range,
-                {{1000, "position_m may be in mm"},
-                 {100, "position_m may be in cm"},
-                 {39.37, "position_m may be in inches"},
-                 {0.1, "mass_kg may be in g"},  // the range scales with the cube root
-                 {10, "mass_kg may be too small by a thousand"}});
+    return look(
+        "arm (mean distance of the rotors from the centre)", "m", arm_, range,
+        {{1000, "position_m may be in mm"},
+         {100, "position_m may be in cm"},
+         {39.37, "position_m may be in inches"},
+         {0.1,
+          "mass_kg may be in g, or position_m too small by a factor of ten"},  // the range scales with the cube root
+         {10,
+          "position_m may be too large by a factor of ten, or mass_kg too small by a thousand"}});
   }
 
   /// Arms with motors at their ends have 0.2 to 0.5 m L² about each horizontal axis, twice that
@@ -118,6 +121,8 @@ class Search {
     const std::string max = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;
     if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s may be in rpm"});
+    mistakes.push_back({static_cast<double>(vehicle_.rotors.size()),
+                        "the thrust of one rotor may be that of all rotors together"});
     mistakes.insert(mistakes.end(), {{kRpm * kRpm, "the thrust curve may be for speeds in rpm"},
                                      {1 / (kRpm * kRpm), "the motor's gain may give (rpm)2"},
                                      {1e-3, "mass_kg may be in g, or the thrust curve in kN"},

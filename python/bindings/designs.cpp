@@ -296,6 +296,10 @@ ExportResult write_source(ExportArguments given) {
     if (const std::string problem = unstable_loop(content);
         !problem.empty() && !(given.of_design() && given.force))
       throw InvalidInput(given.source, problem + ", nothing was written");
+    if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
+      if (!given.force) refuse_export(given, {weak});
+      content.forced.push_back(weak);
+    }
     result.files = write_export(given.directory, kind, content, stop);
     return result;
   });

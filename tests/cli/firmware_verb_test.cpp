@@ -67,6 +67,27 @@ TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
   }
 }
 
+// Of a vehicle with slow motors, a cascade that was designed without the firmware's filters.
+TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
+  const std::string own = path("camera.toml"), gains = path("camera.json"), out = path("camera");
+  ASSERT_EQ(run_program({"vehicle", "new", "camera", "--mass", "1860g", "--arm", "255mm",
+                         "--propeller", "10in", "--max-thrust", "11.5N", "--quiet", "-o", own})
+                .status,
+            0);
+  ASSERT_EQ(run_program({"pid", own, "--structure", "p-pi", "--quiet", "-o", gains}).status, 0);
+  std::vector<std::string> words = {"export",    gains, "--to", "ardupilot",
+                                    "--vehicle", own,   "-o",   out};
+  const ProgramResult refused = run_program(words);
+  EXPECT_EQ(refused.status, 4) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("the margins are too small to fly (roll phase "));
+  EXPECT_THAT(refused.err, HasSubstr("use gains of `quadtune pid V --for ardupilot`, or --force"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  words.emplace_back("--force");
+  EXPECT_EQ(run_program(words).status, 0);
+  std::ifstream file(out + "/manifest.json");
+  EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
+}
+
 TEST_F(FirmwareVerb, AChangedParameterFailsToVerify) {
   const std::string out = path("changed");
   ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "ardupilot", "--vehicle", vehicle(),

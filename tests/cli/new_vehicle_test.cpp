@@ -126,6 +126,17 @@ TEST(VehicleNew, OtherVehiclesFlyTheirDefaultDesign) {
   }
 }
 
+TEST(VehicleNew, DoesNotReplaceAFile) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("own.toml", "edited\n").string();
+  const ProgramResult again = run_program(and_also(kMeasured, {"-o", file}));
+  EXPECT_EQ(again.status, 5);
+  EXPECT_THAT(again.err,
+              HasSubstr("own.toml: exists, and may have been edited; expected the name"));
+  std::ifstream kept(file);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(kept), {}), "edited\n");
+}
+
 // What is not known of the vehicle is in the box and in the campaign.
 TEST(VehicleNew, ItsSpreadIsInTheCampaign) {
   const TemporaryDirectory folder;

@@ -167,8 +167,9 @@ TEST(WriteFiles, RefusesToWriteBesideAnotherWriter) {
   const TemporaryDirectory directory;
   const int other = ::open(directory.path().c_str(), O_RDONLY | O_DIRECTORY);
   ASSERT_EQ(::flock(other, LOCK_EX), 0);
-  EXPECT_THAT([&] { write_files(directory.path(), new_export); },
-              ThrowsMessage<FileError>(HasSubstr("another quadtune process is writing to it")));
+  EXPECT_THAT(
+      [&] { write_files(directory.path(), new_export); },
+      ThrowsMessage<FileError>(HasSubstr("another quadtune process has been writing to it")));
   ::close(other);
   write_files(directory.path(), new_export);
 }

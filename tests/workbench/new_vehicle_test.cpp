@@ -176,6 +176,8 @@ TEST(NewVehicle, RefusesWhatContradicts) {
   refused([](M& m) { m.mass = std::numeric_limits<double>::quiet_NaN(); }, "mass is nan kg");
   refused([](M& m) { m.arm = 0.11; },
           "expected at most 0.1556 m, the distance of neighbouring rotors with --arm 0.11 m");
+  refused([](M& m) { m.propeller = 0.01; },
+          "propeller is 0.01 m in diameter: to carry 1.4 kg, 4 of them would turn at ");
   refused([](M& m) { m.rotors = 5; }, "rotors is 5, expected 4, 6 or 8");
   refused([](M& m) { m.max_thrust = 3; },
           "expected more than 3.433 N, one rotor's share of the weight of 1.4 kg");

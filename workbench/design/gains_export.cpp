@@ -27,6 +27,8 @@ namespace quadtune {
 
 namespace {
 
+double in_degrees(double angle) { return angle * 180 / std::numbers::pi; }
+
 /// Reports how rounding to a firmware's numbers changes the margins of the cascade.
 std::string margins_changed(const ExportContent& before, const ExportContent& after) {
   const auto margins = [](const ExportContent& content) {
@@ -34,27 +36,38 @@ std::string margins_changed(const ExportContent& before, const ExportContent& af
                                   content.vehicle.name)
         .margins;
   };
-  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
   const MarginsReport was = margins(before), is = margins(after);
   std::string text = "margins of the cascade, cut at the wrench, as designed and as rounded:";
   for (std::size_t i = 0; i < was.loops.size() && i < is.loops.size(); ++i)
-    text += fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",
-                        is.names[i], was.loops[i].Ms, is.loops[i].Ms,
-                        degrees(was.loops[i].phase_margin), degrees(is.loops[i].phase_margin));
+    text +=
+        fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",
+                    is.names[i], was.loops[i].Ms, is.loops[i].Ms,
+                    in_degrees(was.loops[i].phase_margin), in_degrees(is.loops[i].phase_margin));
   return text;
+}
+
+Firmware target_of(const ExportContent& content, ExportKind kind) {
+  return firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
+}
+
+std::vector<FirmwareTurn> turns_of(const ExportContent& content, const Firmware& target) {
+  const std::vector<Parameter> values =
+      firmware_parameters(target, content.vehicle, content.cascade->gains).values;
+  return firmware_turns(target, content.vehicle, values);
+}
+
+/// "roll phase 30.9 deg, Ms 1.99".
+std::string turn_text(const FirmwareTurn& turn) {
+  return fmt::format("{} phase {:.1f} deg, Ms {:.2f}", to_string(turn.gains.axis),
+                     in_degrees(turn.whole.phase_margin), turn.whole.Ms);
 }
 
 /// Reports the rotation loops with the filters and delays of the firmware.
 /// @throws NoSolution  if a loop is unstable
 std::string turns_on_board(const ExportContent& content, ExportKind kind) {
-  const Firmware target =
-      firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
-  const std::vector<Parameter> values =
-      firmware_parameters(target, content.vehicle, content.cascade->gains).values;
+  const Firmware target = target_of(content, kind);
   std::string text = "with the filters and the delay of the firmware at their defaults:";
-  bool weak = false;
-  for (const FirmwareTurn& turn : firmware_turns(target, content.vehicle, values)) {
-    const double phase = turn.whole.phase_margin * 180 / std::numbers::pi;
+  for (const FirmwareTurn& turn : turns_of(content, target)) {
     if (!turn.whole.stable)
       throw NoSolution(fmt::format("{}: {} is unstable with the filters and the delay of {} {}, "
                                    "nothing was written; use a slower design "
@@ -62,16 +75,10 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
                                    content.vehicle.name, to_string(turn.gains.axis), kind.name(),
                                    target.version),
                        content.vehicle.name);
-    text += fmt::format(" {} phase {:.1f} deg, Ms {:.2f};", to_string(turn.gains.axis), phase,
-                        turn.whole.Ms);
-    constexpr double kMinPhase = 20, kMaxMs = 3;
-    weak = weak || phase < kMinPhase || turn.whole.Ms > kMaxMs;
+    text += " " + turn_text(turn) + ";";
   }
   text.pop_back();
-  return text +
-         (weak ? ". WARNING: too little to fly; use a slower design (pid V --bandwidth) or filters "
-                 "with a higher cut-off"
-               : "");
+  return text;
 }
 
 }  // namespace
@@ -146,6 +153,20 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   content.gains->u0 = model.u0;
   notes.push_back(fmt::format("the gains have no trim; that of {} is used", content.vehicle.name));
   return notes;
+}
+
+std::string weak_loops(const ExportContent& content, ExportKind kind) {
+  if (!exporter_of(kind, "--to").target.is_firmware || !content.cascade) return "";
+  constexpr double kMinPhase = 20, kMaxMs = 3;  // [deg]
+  std::string weak;
+  for (const FirmwareTurn& turn : turns_of(content, target_of(content, kind)))
+    if (in_degrees(turn.whole.phase_margin) < kMinPhase || turn.whole.Ms > kMaxMs)
+      weak += (weak.empty() ? "" : ", ") + turn_text(turn);
+  if (weak.empty()) return "";
+  return fmt::format(
+      "with the filters and the delay of {}, the margins are too small to fly ({}; "
+      "expected at least {} deg and at most {})",
+      kind.name(), weak, kMinPhase, kMaxMs);
 }
 
 std::string unstable_loop(const ExportContent& content) {

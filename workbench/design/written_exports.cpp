@@ -33,6 +33,8 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
     const bool adapts = export_target(request.to, file).is_firmware || request.to == "c";
     ExportContent adapted = content;
     notes.push_back(adapts ? adapt_to_program(adapted, kind) : std::vector<std::string>());
+    if (const std::string weak = weak_loops(adapted, kind); !weak.empty())
+      notes.back().push_back("WARNING: " + weak);
   }
   std::vector<WrittenExport> written;
   for (const ExportRequest& request : design.exports) {

@@ -162,6 +162,21 @@ RotorNumbers rotor_numbers(const MeasuredVehicle& m) {
   return rotor;
 }
 
+/// Units are easily mistaken: with a diameter in mm instead of inches, hover would need propellers
+/// whose tips are faster than sound.
+/// @throws OptionError  for the propeller
+void require_slow_tips(const MeasuredVehicle& m, const RotorNumbers& rotor) {
+  constexpr double kSpeedOfSound = 340;  // [m/s]
+  const double hover = std::sqrt(m.mass * kGravity / m.rotors / rotor.a2);
+  const double tip = hover * m.propeller / 2;
+  require(
+      tip < kSpeedOfSound, "propeller",
+      fmt::format("propeller is {:.4g} m in diameter: to carry {:.4g} kg, {} of them would turn "
+                  "at {:.4g} rad/s with tips at {:.4g} m/s, expected less than {} m/s, the "
+                  "speed of sound; check the units of --propeller and --mass",
+                  m.propeller, m.mass, m.rotors, hover, tip, kSpeedOfSound));
+}
+
 /// Whether thrust at a command is known, if only as a share of the largest.
 bool thrust_is_measured(const MeasuredVehicle& m) {
   const int given = int{m.max_thrust || m.thrust_to_weight} + int{m.max_speed.has_value()} +
@@ -298,6 +313,7 @@ std::string spread_text(const VehicleSpread& spread) {
 NewVehicle new_vehicle(const MeasuredVehicle& measured) {
   validate(measured);
   const RotorNumbers rotor = rotor_numbers(measured);
+  require_slow_tips(measured, rotor);
   const Eigen::Vector3d inertia =
       measured.inertia ? *measured.inertia : estimated_inertia(measured);
   NewVehicle made;

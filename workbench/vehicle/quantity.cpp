@@ -69,8 +69,11 @@ double read_quantity(const std::string& text, QuantityUnit unit, const std::stri
     const std::string number = word.substr(0, word.size() - name.size());
     if (internal::read_number(number, value) && value > 0) return value * named.factor;
   }
-  throw OptionError(key, fmt::format("{} is '{}', expected a number greater than 0 with a unit: {}",
-                                     key, internal::printable(text), listed(units)));
+  const bool comma = word.find(',') != std::string::npos;
+  throw OptionError(
+      key, fmt::format("{} is '{}', expected a number greater than 0 with a unit: {}{}", key,
+                       internal::printable(text), listed(units),
+                       comma ? "; the decimal mark is a point" : ""));
 }
 
 }  // namespace quadtune
