@@ -2,6 +2,7 @@
 // A vehicle of one's own from a scale and a ruler to exported gains.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "quadtune/internal/text_file.hpp"
