@@ -243,6 +243,28 @@ void require_no_directory(int fd, const fs::path& directory, const std::string& 
     fail(directory / name, EISDIR);
 }
 
+/// Excludes concurrent writers; file systems without locks are not protected. A writer is done in
+/// milliseconds, unless the disk is slow.
+/// @param poll  called while waiting
+/// @return      whether the folder is locked
+/// @throws FileError  if another process holds the lock for too long
+bool lock(int fd, const fs::path& path, const std::function<void()>& poll) {
+  constexpr auto kPatience = std::chrono::seconds(3);
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return false;
+    if (std::chrono::steady_clock::now() > until)
+      throw FileError(
+          path.string(),
+          fmt::format("another quadtune process has been writing to it for {} s; repeat "
+                      "the command when that process has ended",
+                      kPatience.count()));
+    poll();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
 }  // namespace
 
 void write_files(const fs::path& directory, const std::vector<FileContent>& files,
@@ -259,20 +281,7 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   if (fd.get() < 0 && errno == ENOTDIR)
     throw FileError(path.string(), "is a file, expected a directory to write into");
   if (fd.get() < 0) fail(path, errno);
-  // Excludes concurrent writers; file systems without locks are not protected. A writer is done in
-  // milliseconds, unless the disk is slow.
-  constexpr auto kPatience = std::chrono::seconds(3);
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    if (std::chrono::steady_clock::now() > until)
-      throw FileError(
-          path.string(),
-          fmt::format("another quadtune process has been writing to it for {} s; repeat "
-                      "the command when that process has ended",
-                      kPatience.count()));
-    stop_if_interrupted();
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  const bool locked = lock(fd.get(), path, stop_if_interrupted);
 
   Transaction transaction(path, fd.get());
   for (const FileContent& file : files) {
