@@ -123,7 +123,9 @@ std::vector<Signal> integral_signals(const std::vector<Signal>& states,
 DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   validate(plant, "open_loop");
   validate(gains, "open_loop");
-  if (gains.dt != plant.dt)
+  // Files such as K*.txt state no period; their gains have dt = 0.
+  constexpr double kSamePeriod = 1e-12;  // [s]
+  if (gains.dt > 0 && std::abs(gains.dt - plant.dt) > kSamePeriod)
     throw InvalidInput("open_loop", fmt::format("the gains have a sample period of {} s, expected "
                                                 "{} s, that of the plant",
                                                 gains.dt, plant.dt));

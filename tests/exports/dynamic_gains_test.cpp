@@ -199,7 +199,7 @@ TEST(StoredEstimator, ReadsBackAsWritten) {
   const TemporaryDirectory directory;
   ExportContent content = testing::mambo_content();
   content.estimator = every_number();
-  content.gains->dt = content.estimator->general->dt;
+  content.gains->dt = content.plant->dt = content.estimator->general->dt;
   ASSERT_TRUE(content.estimator->general->flow && content.estimator->general->range &&
               content.estimator->general->pressure && content.estimator->general->heading &&
               content.estimator->general->gps_position && content.estimator->general->vision);

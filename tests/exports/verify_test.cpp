@@ -346,6 +346,10 @@ TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   plant.dt = 0.02;
   EXPECT_THAT(failed(verify_export(directory.path(), model)),
               Contains("sample time is the vehicle model's"));
+  EXPECT_THAT(all_details(verify_export(directory.path(), model)),
+              HasSubstr("FAIL closed loop is stable: open_loop: the gains have a sample period of "
+                        "0.01 s, expected 0.02 s, that of the plant"));
+  plant.dt = 0.01;
   std::swap(plant.states[0], plant.states[1]);
   plant.states[0].name = "north";
   EXPECT_THAT(all_details(verify_export(directory.path(), model)),

@@ -117,7 +117,7 @@ TEST(GainSchedule, AnAxisOfOneValueHoldsThere) {
 
 TEST(GainSchedule, RefusesAnotherNumberOfValues) {
   EXPECT_THAT([] { (void)bilinear().at(Eigen::VectorXd::Zero(1)); },
-              ThrowsMessage<InvalidInput>(HasSubstr("got 1 values, expected 2")));
+              ThrowsMessage<InvalidInput>(HasSubstr("got 1 value, expected 2")));
 }
 
 TEST(GainSchedule, RejectsInvalidGrids) {

@@ -359,10 +359,9 @@ TEST(TextLog, SaysThatARateReplacesTheTimesOfTheFile) {
   options.rate_hz = 4;
   const WholeLog log = read_bytes("t,x\n1,2\n3,4\n", options);
   EXPECT_THAT(log.group("").names(), ElementsAre("t", "x"));
-  EXPECT_THAT(
-      log.condition.notes,
-      ElementsAre("f.log: the rate of 4 Hz determines the times, and the times in the column "
-                  "'t' are not used"));
+  EXPECT_THAT(log.condition.notes,
+              ElementsAre("the rate of 4 Hz determines the times, and the times in the column "
+                          "'t' are not used"));
   EXPECT_THAT(read_bytes("a,x\n1,2\n3,4\n", options).condition.notes, ElementsAre());
 }
 
@@ -420,7 +419,7 @@ TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
   EXPECT_THAT(log.group("odd").names(), ElementsAre("v[1]", "v[2]"));
   EXPECT_EQ(log.condition.skipped, 2U);
   EXPECT_EQ(log.condition.first_skipped,
-            "f.log:6: odd has 1 values, expected 2 as in previous lines");
+            "f.log:6: odd has 1 value, expected 2 as in previous lines");
 }
 
 // They used to be ignored without a message.

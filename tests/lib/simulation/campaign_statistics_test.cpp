@@ -216,7 +216,7 @@ TEST(CampaignStatistics, TellsTheWorstOfFiguresThatWereNotReached) {
   ASSERT_EQ(worst.size(), 3);
   EXPECT_EQ(worst[0].why, "settling_time not measured, limit 10 s");
   EXPECT_EQ(worst[1].why, "settling_time never reached, limit 10 s");
-  EXPECT_EQ(worst[2].why, "settling_time 12 s of 10 s");
+  EXPECT_EQ(worst[2].why, "settling_time 12 s, limit 10 s");
 }
 
 // A figure that some flights lack: its correlations are those of the others alone, whatever the

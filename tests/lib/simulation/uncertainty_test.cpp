@@ -249,7 +249,7 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
   EXPECT_THAT(applied("gps_noise"),
               ThrowsMessage<InvalidInput>(
                   StrEq("gps_noise: the vehicle 'mambo' has no part that this quantity changes, "
-                        "expected a quantity of a component that it has")));
+                        "expected a quantity of a part that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
   for (const char* name :
@@ -340,7 +340,7 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
   refuses("[[vary]]\nquantity = \"mas\"\nnormal = {deviation = 1}\n",
           "f.toml:2: no quantity 'mas', expected one of those in docs/formats.md");
   refuses("[[vary]]\nquantity = \"gust_at\"\nuniform = {low = -1, high = 2}\n",
-          "gust_at: draws from -1 to 2 s, expected within 0 to 86400");
+          "gust_at: the draws extend from -1 to 2 s, expected within 0 to 86400");
   refuses("[[vary]]\nquantity = \"inertia_w\"\n", "did you mean 'inertia_x'?");
   refuses(mass, "f.toml:1: [[vary]] 1 has no distribution, expected one of normal");
   refuses(mass + "normal = {deviation = 0.1}\nuniform = {low = 0.9, high = 1}\n",
