@@ -55,7 +55,10 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
     if (const std::size_t colon = kind.find(": ");
         kind.starts_with("with ") && colon != std::string::npos)
       kind.erase(0, colon + 2);
-    message += fmt::format(", expected for {}: {}", option->name(), kind);
+    const bool is_noun =
+        kind.starts_with("a ") || kind.starts_with("an ") || kind.starts_with("the ");
+    message += is_noun ? fmt::format(", expected {} ({})", kind, option->name())
+                       : fmt::format(", expected for {}: {}", option->name(), kind);
     known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));

@@ -78,8 +78,8 @@ TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   std::vector<std::string> words = {"export",    gains, "--to", "ardupilot",
                                     "--vehicle", own,   "-o",   out};
   const ProgramResult refused = run_program(words);
-  EXPECT_EQ(refused.status, 4) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("the margins are too small to fly (roll phase "));
+  EXPECT_EQ(refused.status, 1) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("the margins are too small to fly (pitch phase "));
   EXPECT_THAT(refused.err, HasSubstr("use gains of `quadtune pid V --for ardupilot`, or --force"));
   EXPECT_FALSE(std::filesystem::exists(out));
   words.emplace_back("--force");

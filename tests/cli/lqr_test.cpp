@@ -182,7 +182,8 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--structure", "matri"}, "--structure is 'matri', expected dynamic or matrix");
   for (const char* option : {"--past", "--change", "--integral"})
     refused({"--structure", "matrix", option, "1"},
-            "cannot be combined with --structure matrix, because that law integrates px,py,pz,yaw");
+            "cannot be combined with --structure matrix, because that law always integrates "
+            "px,py,pz,yaw");
   refused({"--plant", "ideal", "--structure", "matrix"}, "--structure belongs to the flown plant");
   refused({"--structure", "matrix", "--at", "line"}, "--structure belongs to the flown plant");
 }

@@ -81,7 +81,8 @@ TEST(VehicleNew, RefusesInOneLine) {
               HasSubstr("inertia"));
   EXPECT_THAT(refused(and_also(kMeasured, {"--layout", "h"})),
               HasSubstr("--layout is 'h', expected x or plus"));
-  EXPECT_THAT(refused(and_also(kMeasured, {"--max-thrust", "3N"})), HasSubstr("carries 1.24 kg"));
+  EXPECT_THAT(refused(and_also(kMeasured, {"--max-thrust", "3N"})),
+              HasSubstr("one rotor's share of the weight of 1.24 kg"));
   EXPECT_THAT(refused({"vehicle", "show", "mambo", "--mass", "1kg"}),
               HasSubstr("--mass belongs to vehicle new"));
   EXPECT_THAT(refused({"vehicle", "new", "my quad", "--mass", "1240g", "--arm", "225mm",
