@@ -36,7 +36,7 @@ struct MeasuredWords {
   std::optional<double> thrust_to_weight;
   std::uint64_t rotors = 4, blades = 2;
   std::string layout = "x", spin = "cw", sensors = "gps";
-  bool brushed = false, ask = false;
+  bool brushed = false, ask = false, force = false;
 };
 
 struct Options {
@@ -174,18 +174,21 @@ void require_new_file(const CommandLine& line) {
   const std::string& file = output->values().back();
   std::error_code ignored;
   if (std::filesystem::is_regular_file(file, ignored))
-    throw FileError(file, "exists, and may have been edited; expected the name of a new file");
+    throw FileError(
+        file,
+        "exists, and may have been edited; expected the name of a new file, or --force to "
+        "replace it");
 }
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_action(options);
   if (options.action == "new") {
-    require_new_file(line);
+    if (!options.measured.force) require_new_file(line);
     return make_vehicle(options, context);
   }
   line.refuse_given({"--mass", "--arm", "--propeller", "--rotors", "--layout", "--spin", "--blades",
                      "--max-thrust", "--thrust-to-weight", "--max-speed", "--hover-speed", "--lag",
-                     "--inertia", "--sensors", "--brushed", "--ask"},
+                     "--inertia", "--sensors", "--brushed", "--ask", "--force"},
                     "belongs to vehicle new");
   if (options.action == "list") {
     const std::vector<std::string> names = built_in_vehicles();
@@ -234,6 +237,7 @@ void add_options(CommandLine& line, Options& options) {
                   "of new: typical sensors to list: gps (default) or flow");
   line.add_flag("--brushed", words.brushed, "of new: brushed motors, as in toys");
   line.add_flag("--ask", words.ask, "of new: ask for what is not given");
+  line.add_flag("--force", words.force, "of new: replace an existing file");
 }
 
 }  // namespace

@@ -137,6 +137,8 @@ TEST(VehicleNew, DoesNotReplaceAFile) {
               HasSubstr("own.toml: exists, and may have been edited; expected the name"));
   std::ifstream kept(file);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(kept), {}), "edited\n");
+  EXPECT_EQ(run_program(and_also(kMeasured, {"-o", file, "--force"})).status, 0);
+  EXPECT_EQ(run_program({"vehicle", "check", file}).status, 0);
 }
 
 // What is not known of the vehicle is in the box and in the campaign.
