@@ -53,7 +53,7 @@ DesignOutcome designed_and_flown(const Options& options, const Context& context)
 
 /// Writes the exports, and next to them a page for each mission.
 std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory,
-                                     Context& context) {
+                                     bool force, Context& context) {
   const auto write = [&](const std::filesystem::path& place, ExportKind kind,
                          const ExportContent& content) {
     const WritingFiles writing;
@@ -61,7 +61,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
     context.written.push_back(place.string());
     return files;
   };
-  std::vector<WrittenExport> written = write_exports(outcome, directory, write);
+  std::vector<WrittenExport> written = write_exports(outcome, directory, write, force);
   for (const WrittenExport& one : written)
     context.notes(fmt::format("design: note: export to {}: ", to_string(one.kind)), one.notes);
   for (const FlownFlight& flight : outcome.flights) {
@@ -79,7 +79,7 @@ void run_design(const CommandLine& line, Options& options, Context& context) {
   const bool writes = !options.directory.empty();
   std::vector<WrittenExport> written;
   if (writes && (options.force || (laws_hold(outcome) && missions_passed(outcome))))
-    written = write_all(outcome, options.directory, context);
+    written = write_all(outcome, options.directory, options.force, context);
   const MissionDiagnoses diagnoses = diagnose_missions(outcome);
   context.print([&] { return design_json(outcome, diagnoses, written); },
                 [&] { return design_text(outcome, diagnoses, written); });
@@ -100,9 +100,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--to LIST", options.to,
                   "for a vehicle: formats to export, such as json,px4; default json,c. The gains "
                   "are designed for the firmware that is named");
-  line.add_flag("--force", options.force,
-                "write although a flown loop is unstable or a mission failed, and use tuned "
-                "covariances whatever their verdict");
+  line.add_flag(
+      "--force", options.force,
+      "write although a flown loop is unstable, a mission failed or the margins on a firmware "
+      "are too small, and use tuned covariances whatever their verdict");
   line.add_count(
       "--seeds N", options.seeds, 1,
       fmt::format("flights of each mission, all of which must pass; default {}", kDesignSeeds));

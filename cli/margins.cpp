@@ -176,8 +176,8 @@ void require_one_loop(const Options& options, const CommandLine& line) {
           int{!options.frd.empty()} !=
       1)
     refuse("margins", "V",
-           "expected one loop: --num and --den; --A, --B and --K; --A, --B and --C; --frd; or a "
-           "vehicle with --gains");
+           "expected exactly one loop, which is given by --num and --den, by --A, --B and --K, by "
+           "--A, --B and --C, by --frd, or by a vehicle with --gains");
   if (options.has_vehicle() && options.controller.given())
     refuse("margins", "V",
            "a vehicle cannot be combined with a controller, because its gains are "

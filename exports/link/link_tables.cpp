@@ -125,10 +125,9 @@ const LinkEntry& link_entry(LinkFirmware firmware, const std::string& name) {
   for (const LinkEntry& entry : entries) names.push_back(entry.name);
   const std::string what =
       name.empty() ? "is empty" : fmt::format("'{}' is not a command", internal::printable(name));
-  throw InvalidInput("command",
-                     fmt::format("{}, expected one of the commands of the firmware {}: {}{}", what,
-                                 to_string(firmware), internal::joined(names, ", "),
-                                 internal::did_you_mean(name, names)));
+  throw InvalidInput("command", fmt::format("{}, expected a command of the firmware {}: {}{}", what,
+                                            to_string(firmware), internal::joined(names, ", "),
+                                            internal::did_you_mean(name, names)));
 }
 
 }  // namespace quadtune

@@ -84,15 +84,14 @@ class Search {
   bool arm() {
     if (!(arm_ > 0)) return false;
     const PlausibleRange range{std::cbrt(vehicle_.mass / 5000), std::cbrt(vehicle_.mass / 5)};
-    return look(
-        "arm (mean distance of the rotors from the centre)", "m", arm_, range,
-        {{1000, "position_m may be in mm"},
-         {100, "position_m may be in cm"},
-         {39.37, "position_m may be in inches"},
-         {0.1,
-          "mass_kg may be in g, or position_m too small by a factor of ten"},  // the range scales with the cube root
-         {10,
-          "position_m may be too large by a factor of ten, or mass_kg too small by a thousand"}});
+    // The range scales with the cube root of the mass: ten times the arm, a thousand times the mass.
+    const std::vector<Mistake> mistakes = {
+        {1000, "position_m may be in mm"},
+        {100, "position_m may be in cm"},
+        {39.37, "position_m may be in inches"},
+        {0.1, "mass_kg may be in g, or position_m too small by a factor of ten"},
+        {10, "position_m may be too large by a factor of ten, or mass_kg too small by a thousand"}};
+    return look("arm (mean distance of the rotors from the centre)", "m", arm_, range, mistakes);
   }
 
   /// Arms with motors at their ends have 0.2 to 0.5 m L² about each horizontal axis, twice that

@@ -58,12 +58,13 @@ void require_tuned(const DesignOutcome& outcome, bool force) {
 
 /// The exports, and a page for each mission.
 std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory,
-                                     const Stop& stop) {
-  std::vector<WrittenExport> written =
-      write_exports(outcome, directory,
-                    [&](const fs::path& place, ExportKind kind, const ExportContent& content) {
-                      return write_export(place, kind, content, stop);
-                    });
+                                     bool force, const Stop& stop) {
+  std::vector<WrittenExport> written = write_exports(
+      outcome, directory,
+      [&](const fs::path& place, ExportKind kind, const ExportContent& content) {
+        return write_export(place, kind, content, stop);
+      },
+      force);
   for (const FlownFlight& flight : outcome.flights)
     save((fs::path(directory) / ("flight-" + flight.plan.setup.mission.name + ".html")).string(),
          html(report::flight_page(flight, "")));
@@ -86,7 +87,7 @@ DesignResult design_file(const Path& file, const std::optional<Path>& directory,
         fly_missions(outcome, seed, directory.has_value(), stop, seeds.value_or(kDesignSeeds));
     outcome.disturbed = fly_disturbed(outcome, seed, stop);
     if (directory && (force || (laws_hold(outcome) && missions_passed(outcome))))
-      result.written = write_all(outcome, directory->text, stop);
+      result.written = write_all(outcome, directory->text, force, stop);
     result.diagnoses = diagnose_missions(outcome);
     return result;
   });

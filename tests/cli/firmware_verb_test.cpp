@@ -88,6 +88,32 @@ TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
 }
 
+// The design file chooses Ms for loops without the firmware's filters, whose phase is then 2 deg.
+TEST_F(FirmwareVerb, DesignsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
+  ASSERT_EQ(
+      run_program({"vehicle", "new", "slow", "--mass", "1860g", "--arm", "255mm", "--propeller",
+                   "10in", "--max-thrust", "11.5N", "--quiet", "-o", path("slow.toml")})
+          .status,
+      0);
+  const std::string design = folder_
+                                 ->write("slow-design.toml",
+                                         "name = 'slow-loops'\nvehicle = 'slow.toml'\n"
+                                         "[trim]\nat = 'hover'\n[cascade]\ndt_s = 0.005\n"
+                                         "[cascade.design]\nstructure = 'p-pi'\nMs_max = 2.5\n"
+                                         "[[export]]\nto = 'ardupilot'\n")
+                                 .string();
+  const std::string out = path("slow");
+  const ProgramResult refused = run_program({"design", design, "-o", out});
+  EXPECT_EQ(refused.status, 4) << refused.err;
+  EXPECT_THAT(refused.err,
+              HasSubstr("slow-design.toml: with the filters and the delay of ardupilot, "
+                        "the margins are too small to fly (pitch phase 1.8 deg"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_EQ(run_program({"design", design, "-o", out, "--force"}).status, 1);  // verify fails
+  std::ifstream file(out + "/manifest.json");
+  EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
+}
+
 TEST_F(FirmwareVerb, AChangedParameterFailsToVerify) {
   const std::string out = path("changed");
   ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "ardupilot", "--vehicle", vehicle(),

@@ -107,7 +107,7 @@ TEST(Link, RefusesWrongCommandLines) {
           "you mean 'simulink'?",
           "--firmware");
   refused("link encode --firmware native", 2,
-          "quadtune link encode: command: is empty, expected one of the commands of the firmware "
+          "quadtune link encode: command: is empty, expected a command of the firmware "
           "native: "
           "takeoff, land, move, turn, flip",
           "command");

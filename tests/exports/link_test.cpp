@@ -193,7 +193,7 @@ TEST(LinkCommands, RefuseWrongWords) {
     return message_of([&] { return link_command(firmware, name, words); });
   };
   EXPECT_EQ(refused(kNative, "takeof", {}),
-            "command: 'takeof' is not a command, expected one of the commands of the firmware "
+            "command: 'takeof' is not a command, expected a command of the firmware "
             "native: takeoff, land, move, "
             "turn, flip; did you mean 'takeoff'?");
   EXPECT_THAT(refused(kSimulink, "flip", {"left"}), StartsWith("command: 'flip' is not a command"));

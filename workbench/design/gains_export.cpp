@@ -160,12 +160,12 @@ std::string weak_loops(const ExportContent& content, ExportKind kind) {
   constexpr double kMinPhase = 20, kMaxMs = 3;  // [deg]
   std::string weak;
   for (const FirmwareTurn& turn : turns_of(content, target_of(content, kind)))
-    if (in_degrees(turn.whole.phase_margin) < kMinPhase || turn.whole.Ms > kMaxMs)
+    if (!(in_degrees(turn.whole.phase_margin) >= kMinPhase && turn.whole.Ms <= kMaxMs))
       weak += (weak.empty() ? "" : ", ") + turn_text(turn);
   if (weak.empty()) return "";
   return fmt::format(
       "with the filters and the delay of {}, the margins are too small to fly ({}; "
-      "expected at least {} deg and at most {})",
+      "expected a phase of at least {} deg and an Ms of at most {})",
       kind.name(), weak, kMinPhase, kMaxMs);
 }
 

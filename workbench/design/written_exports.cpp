@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/workbench/design/written_exports.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "quadtune/design/export_target.hpp"
@@ -14,7 +16,7 @@
 namespace quadtune {
 
 std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std::string& directory,
-                                         const ExportWriter& write) {
+                                         const ExportWriter& write, bool force) {
   const Design& design = outcome.design;
   const std::string file = design.file.string();
   if (design.exports.empty())
@@ -24,6 +26,7 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   std::vector<InputAtHand> inputs;
   for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
   std::vector<std::vector<std::string>> notes;
+  std::vector<std::string> weak;  // of each export, empty if its margins are sufficient
   for (const ExportRequest& request : design.exports) {
     content.flight_code = request.flight_code;
     content.firmware = request.firmware;
@@ -33,13 +36,19 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
     const bool adapts = export_target(request.to, file).is_firmware || request.to == "c";
     ExportContent adapted = content;
     notes.push_back(adapts ? adapt_to_program(adapted, kind) : std::vector<std::string>());
-    if (const std::string weak = weak_loops(adapted, kind); !weak.empty())
-      notes.back().push_back("WARNING: " + weak);
+    weak.push_back(weak_loops(adapted, kind));
+    if (!weak.back().empty() && !force)
+      throw NoSolution(fmt::format("{}: {}; nothing was written; --force writes nevertheless", file,
+                                   weak.back()),
+                       file);
   }
+  const std::vector<std::string> reasons = content.forced;
   std::vector<WrittenExport> written;
   for (const ExportRequest& request : design.exports) {
     WrittenExport one;
     one.notes = std::move(notes[written.size()]);
+    content.forced = reasons;
+    if (const std::string& why = weak[written.size()]; !why.empty()) content.forced.push_back(why);
     content.flight_code = request.flight_code;
     content.firmware = request.firmware;
     one.kind = export_kind(request.to, file);

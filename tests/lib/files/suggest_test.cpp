@@ -27,5 +27,10 @@ TEST(Suggest, ProposesNothingForAFewLettersHoweverManyDashes) {
   EXPECT_EQ(nearest("--gians", {"--gains", "--json"}), "--gains");
 }
 
+TEST(Suggest, FindsTheShortestNameThatContainsTheWord) {
+  EXPECT_EQ(nearest("--thrust", {"--thrust-to-weight", "--max-thrust", "--mass"}), "--max-thrust");
+  EXPECT_EQ(nearest("--lag", {"--motor-lag"}), "");  // fewer than four letters
+}
+
 }  // namespace
 }  // namespace quadtune::internal

@@ -112,6 +112,20 @@ TEST(Plausibility, FindsSpeedsInRpm) {
   }
 }
 
+// Thrust is often measured for the whole vehicle.
+TEST(Plausibility, ProposesThatTheThrustIsThatOfAllRotors) {
+  Vehicle vehicle = load_vehicle("uquad");
+  const double factor = 14 / thrust_to_weight(vehicle);  // 3.5 if it is divided by four
+  scale(vehicle, &Rotor::thrust_a2, factor);
+  scale(vehicle, &Rotor::thrust_a1, factor);
+  scale(vehicle, &Rotor::torque_d2, factor);
+  scale(vehicle, &Rotor::torque_d1, factor);
+  const std::vector<Implausibility> found = find_implausible_values(vehicle);
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found[0].quantity, HasSubstr("thrust-to-weight"));
+  EXPECT_EQ(found[0].cause, "the thrust of one rotor may be that of all rotors together");
+}
+
 // A value that is compared with a wrong one is not reported itself.
 TEST(Plausibility, NamesTheWrongFigureAlone) {
   for (const std::string& name : built_in_vehicles()) {
