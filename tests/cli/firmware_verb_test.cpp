@@ -109,7 +109,12 @@ TEST_F(FirmwareVerb, DesignsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
               HasSubstr("slow-design.toml: with the filters and the delay of ardupilot, "
                         "the margins are too small to fly (pitch phase 1.8 deg"));
   EXPECT_FALSE(std::filesystem::exists(out));
-  EXPECT_EQ(run_program({"design", design, "-o", out, "--force"}).status, 1);  // verify fails
+  const ProgramResult forced = run_program({"design", design, "-o", out, "--force"});
+  EXPECT_EQ(forced.status, 1);
+  EXPECT_THAT(forced.err, HasSubstr("WARNING: with the filters and the delay of ardupilot"));
+  EXPECT_THAT(forced.err, HasSubstr("design: the margins on a firmware are too small"));
+  EXPECT_THAT(forced.out, HasSubstr("verdict     fail"));
+  EXPECT_EQ(run_program({"verify", out, "--vehicle", path("slow.toml")}).status, 1);
   std::ifstream file(out + "/manifest.json");
   EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
 }

@@ -15,6 +15,8 @@ std::string to_string(DesignFailure failure) {
       return "the flown loop is unstable";
     case DesignFailure::mission:
       return "a mission failed";
+    case DesignFailure::firmware_margins:
+      return "the margins on a firmware are too small";
     case DesignFailure::verification:
       return "the written files do not verify";
   }
@@ -25,6 +27,9 @@ DesignFailure failure_of(const DesignOutcome& outcome, const std::vector<Written
   if (outcome.cascade && unstable(*outcome.cascade)) return DesignFailure::unstable_cascade;
   if (!laws_hold(outcome)) return DesignFailure::unstable_flown_loop;
   if (!missions_passed(outcome)) return DesignFailure::mission;
+  if (std::any_of(written.begin(), written.end(),
+                  [](const WrittenExport& one) { return !one.weak.empty(); }))
+    return DesignFailure::firmware_margins;
   const bool verified = std::all_of(written.begin(), written.end(),
                                     [](const WrittenExport& one) { return one.verification.ok(); });
   return verified ? DesignFailure::none : DesignFailure::verification;

@@ -48,7 +48,11 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
     WrittenExport one;
     one.notes = std::move(notes[written.size()]);
     content.forced = reasons;
-    if (const std::string& why = weak[written.size()]; !why.empty()) content.forced.push_back(why);
+    one.weak = std::move(weak[written.size()]);
+    if (!one.weak.empty()) {
+      content.forced.push_back(one.weak);
+      one.notes.push_back("WARNING: " + one.weak);
+    }
     content.flight_code = request.flight_code;
     content.firmware = request.firmware;
     one.kind = export_kind(request.to, file);

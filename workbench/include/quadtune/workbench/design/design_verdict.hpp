@@ -18,6 +18,7 @@ enum class DesignFailure {
   unstable_cascade,     ///< with the ideal plant
   unstable_flown_loop,  ///< with rotor lag, sensors and estimator
   mission,              ///< a flight failed
+  firmware_margins,     ///< written by force although the margins on a firmware are too small
   verification,         ///< the written files do not verify
 };
 

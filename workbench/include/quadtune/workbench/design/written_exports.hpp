@@ -22,6 +22,7 @@ struct WrittenExport {
   VerifyReport verification;           ///< of the written files
   /// Changes that the target program makes to the design, e.g. by rounding; one sentence each.
   std::vector<std::string> notes = {};
+  std::string weak = {};  ///< weak_loops(), with which it was written by force; empty if sufficient
 };
 
 /// Writes one export to its directory: write_export(), or a wrapper of it.
