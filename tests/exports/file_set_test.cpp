@@ -174,6 +174,23 @@ TEST(WriteFiles, RefusesToWriteBesideAnotherWriter) {
   write_files(directory.path(), new_export);
 }
 
+TEST(WriteFiles, WaitsForAnotherWriterThatEnds) {
+  const TemporaryDirectory directory;
+  int other = ::open(directory.path().c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);
+  int polls = 0;
+  const auto interrupted = [&] {
+    if (++polls == 3 && other >= 0) {  // once before the lock, then while waiting
+      ::close(other);
+      other = -1;
+    }
+    return false;
+  };
+  write_files(directory.path(), new_export, {}, interrupted);
+  EXPECT_EQ(other, -1);
+  EXPECT_GE(contents(directory).size(), new_export.size());
+}
+
 TEST(WriteFiles, ReplacesTemporariesThatACrashLeft) {
   const TemporaryDirectory directory;
   directory.write(".K.txt.quadtune-tmp", "half");
