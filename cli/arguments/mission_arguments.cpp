@@ -73,7 +73,7 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
   line.add_option("-o FILE", arguments.file, "design file to write the result to");
   line.add_flag("--force", arguments.force,
                 "write the result even if it is not accepted; the file states the verdict");
-  line.add_option("--report", arguments.report, "write a web page: a .html file");
+  line.add_option("--report FILE", arguments.report, "write a web page: a .html file");
 }
 
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
