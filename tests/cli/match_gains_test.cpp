@@ -167,23 +167,6 @@ TEST_F(MatchGainsVerb, TellsPeopleTheSame) {
   EXPECT_THAT(result.out, Not(HasSubstr("not seen")));
 }
 
-// The lines of docs/cli/tune-lqr.md that are not left out there.
-TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
-  std::filesystem::current_path(testing::source_folder());
-  const std::string out = match("designs/uquad-hover.toml", {"--R", "0.01"}).out;
-  std::ifstream page("docs/cli/tune-lqr.md");
-  int shown = 0;
-  bool here = false, inside = false;
-  for (std::string line; std::getline(page, line);) {
-    if (line.starts_with("## ")) here = line == "## Weights of a given gain";
-    if (here && line == "```") inside = !inside;
-    if (!here || !inside || line == "```" || line.ends_with(" ...")) continue;
-    EXPECT_THAT(out, HasSubstr(line + "\n"));
-    ++shown;
-  }
-  EXPECT_GE(shown, 10);
-}
-
 // The axes of a wrench are decoupled, so the factor of each is not observable.
 TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
   const std::string gains =
