@@ -8,9 +8,10 @@ Exit status 1 if fewer of all lines are run than FLOOR_PERCENT says.
 import json
 import sys
 
-# Not measured yet. The weekly run prints the value of the whole suite: set the floor a little below
-# the first one, and raise it when the coverage has risen.
-FLOOR_PERCENT = 0.0
+# 82.7 was measured without most tests of the command line, of its pages and of the reports, so the
+# whole suite is above it: set the floor a little below its first complete result (the weekly run
+# prints it), and raise it when the coverage has risen.
+FLOOR_PERCENT = 82.5
 
 
 def percent(covered, lines):
