@@ -38,21 +38,21 @@ TEST(WidenedLimits, FollowTheBound) {
   mission.settling = {0.1, 0.2, 5};
   mission.limits = {
       {Metric::settling_time, 10},   {Metric::overshoot, 0.1},     {Metric::tracking_rms, 0.05},
-      {Metric::tracking_max, 0.15},  {Metric::height_rms, 0.06},   {Metric::height_max, 0.2},
+      {Metric::tracking_max, 0.15},  {Metric::height_rms, 0.05},   {Metric::height_max, 0.2},
       {Metric::yaw_rms, 0.001},      {Metric::yaw_max, 0.1},       {Metric::tilt_max, 0.01},
       {Metric::speed_max, 0.1},      {Metric::saturation_time, 0}, {Metric::energy, 1},
       {Metric::estimate_rms, 0.01},  {Metric::estimate_max, 0.01}, {Metric::position_drift, 0.1},
       {Metric::final_distance, 0.1}, {Metric::touchdown_speed, 0}, {Metric::height_peak, 0.1}};
   const std::vector<WidenedLimit> widened = widen_limits(bound_of(0.32), mission);
-  EXPECT_EQ(limit_of(mission, Metric::tracking_rms), 1.5 * (1.4 * 0.32));
+  EXPECT_EQ(limit_of(mission, Metric::tracking_rms), 1.5 * 0.32);
   EXPECT_EQ(limit_of(mission, Metric::tracking_max), 1.5 * (3.5 * 0.32));
-  EXPECT_EQ(limit_of(mission, Metric::height_rms), 0.06);  // the sensors are better
+  EXPECT_EQ(limit_of(mission, Metric::height_rms), 0.05);  // the sensors are better
   EXPECT_EQ(limit_of(mission, Metric::height_max), 0.2);
   EXPECT_EQ(limit_of(mission, Metric::height_peak), 1.5 * (0.4 * 0.32));
-  EXPECT_EQ(limit_of(mission, Metric::yaw_rms), 1.5 * 0.02);
+  EXPECT_EQ(limit_of(mission, Metric::yaw_rms), 0.02);  // rarely exceeded with 1.5 times 0.01
   EXPECT_EQ(limit_of(mission, Metric::yaw_max), 0.1);
   EXPECT_EQ(limit_of(mission, Metric::overshoot), 1.5 * (3.5 * 0.32 / 2));  // a step of 2 m
-  EXPECT_EQ(limit_of(mission, Metric::estimate_rms), 1.5 * (1.4 * 0.32));
+  EXPECT_EQ(limit_of(mission, Metric::estimate_rms), 1.5 * 0.32);
   EXPECT_EQ(limit_of(mission, Metric::estimate_max), 1.5 * (3.5 * 0.32));
   EXPECT_EQ(limit_of(mission, Metric::position_drift), 1.5 * (5 * 0.32));
   EXPECT_EQ(limit_of(mission, Metric::final_distance), 1.5 * (6 * 0.32));
@@ -69,7 +69,7 @@ TEST(WidenedLimits, FollowTheBound) {
             "limit 0.1 widened to 0.84, because the sensors alone cause 0.16 rms");
   EXPECT_EQ(widened[1].what, "tracking_rms");
   EXPECT_EQ(describe(widened[1]),
-            "limit 0.05 m widened to 0.672 m, because the sensors alone cause 0.32 m rms");
+            "limit 0.05 m widened to 0.48 m, because the sensors alone cause 0.32 m rms");
   EXPECT_EQ(widened.back().what, "settling_band");
 }
 
@@ -92,16 +92,16 @@ TEST(WidenedLimits, AreWhatAFlightIsJudgedBy) {
                    [](const WidenedLimit& w) { return w.what == "tracking_rms"; });
   ASSERT_NE(tracking, plan.widened.end());
   EXPECT_EQ(tracking->asked, 0.05);
-  EXPECT_NEAR(tracking->judged, 0.69, 0.01);
-  EXPECT_EQ(tracking->judged, kRmsOverBound * plan.bound->tracking.rms_rarely);
+  EXPECT_NEAR(tracking->judged, 0.50, 0.01);
+  EXPECT_EQ(tracking->judged, kRmsOverBound * plan.bound->tracking.rms);
   FlownFlight flight;
   flight.plan = plan;
   MetricValues values;
   for (std::size_t i = 0; i < kMetrics; ++i) values.value[i] = 0;
   values[Metric::duration] = 100;
-  values[Metric::tracking_rms] = 0.6;
+  values[Metric::tracking_rms] = 0.45;
   EXPECT_TRUE(judge(plan.setup.mission, values).ok);
-  values[Metric::tracking_rms] = 0.75;
+  values[Metric::tracking_rms] = 0.55;
   flight.verdict = judge(plan.setup.mission, values);
   EXPECT_FALSE(flight.verdict.ok);
   ASSERT_EQ(reasons(flight).size(), 1U);

@@ -20,37 +20,41 @@ struct Floor {
   double value;  ///< the tightest limit that it satisfies
 };
 
-/// The value that an error with kRmsOverBound times the bound's rms rarely exceeds.
-double permitted(double rarely) { return kRmsOverBound * rarely; }
+/// The rarely exceeded maximum of an error with kRmsOverBound times the bound's rms.
+double most_floor(double most_rarely) { return kRmsOverBound * most_rarely; }
+
+double rms_floor(const ErrorSize& size) {
+  return std::max(kRmsOverBound * size.rms, size.rms_rarely);
+}
 
 std::optional<Floor> floor_of(Metric metric, const MissionBound& bound) {
   switch (metric) {
     case Metric::tracking_rms:
-      return Floor{bound.tracking.rms, permitted(bound.tracking.rms_rarely)};
+      return Floor{bound.tracking.rms, rms_floor(bound.tracking)};
     case Metric::tracking_max:
-      return Floor{bound.tracking.rms, permitted(bound.tracking.most_rarely)};
+      return Floor{bound.tracking.rms, most_floor(bound.tracking.most_rarely)};
     case Metric::height_rms:
-      return Floor{bound.height.rms, permitted(bound.height.rms_rarely)};
+      return Floor{bound.height.rms, rms_floor(bound.height)};
     case Metric::height_max:
     case Metric::height_peak:
-      return Floor{bound.height.rms, permitted(bound.height.most_rarely)};
+      return Floor{bound.height.rms, most_floor(bound.height.most_rarely)};
     case Metric::yaw_rms:
-      return Floor{bound.heading.rms, permitted(bound.heading.rms_rarely)};
+      return Floor{bound.heading.rms, rms_floor(bound.heading)};
     case Metric::yaw_max:
-      return Floor{bound.heading.rms, permitted(bound.heading.most_rarely)};
+      return Floor{bound.heading.rms, most_floor(bound.heading.most_rarely)};
     case Metric::estimate_rms:
-      return Floor{bound.estimate.rms, permitted(bound.estimate.rms_rarely)};
+      return Floor{bound.estimate.rms, rms_floor(bound.estimate)};
     case Metric::estimate_max:
-      return Floor{bound.estimate.rms, permitted(bound.estimate.most_rarely)};
+      return Floor{bound.estimate.rms, most_floor(bound.estimate.most_rarely)};
     case Metric::final_distance:
       return Floor{std::hypot(bound.horizontal_end, bound.height_end),
-                   permitted(bound.final_rarely)};
+                   most_floor(bound.final_rarely)};
     case Metric::position_drift:
-      return Floor{bound.horizontal_end, permitted(bound.drift_rarely)};
+      return Floor{bound.horizontal_end, most_floor(bound.drift_rarely)};
     case Metric::overshoot:
-      return Floor{bound.overshoot.rms, permitted(bound.overshoot.most_rarely)};
+      return Floor{bound.overshoot.rms, most_floor(bound.overshoot.most_rarely)};
     case Metric::yaw_overshoot:
-      return Floor{bound.yaw_overshoot.rms, permitted(bound.yaw_overshoot.most_rarely)};
+      return Floor{bound.yaw_overshoot.rms, most_floor(bound.yaw_overshoot.most_rarely)};
     default:
       return std::nullopt;
   }
@@ -75,7 +79,7 @@ std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& missi
   SettlingRule& rule = mission.settling;
   const auto widen = [&](const char* what, const char* label, const char* unit, double asked,
                          const ErrorSize& size, double& settled) {
-    const double max = permitted(size.most_rarely);
+    const double max = most_floor(size.most_rarely);
     if (!(max > asked)) return;
     settled = std::min(max, kLargest);
     widened.push_back({what, label, unit, asked, size.rms, settled});

@@ -11,7 +11,7 @@
 
 namespace quadtune {
 
-/// A law is permitted an error whose rms over many flights is this many times the bound.
+/// A flight passes with an error of up to this many times the bound's rms.
 inline constexpr double kRmsOverBound = 1.5;
 
 /// One limit, or one settling band, that was widened.
@@ -24,14 +24,14 @@ struct WidenedLimit {
   double judged = 0;  ///< limit that is applied
 };
 
-/// Widens limits that a law with a permitted error would exceed, to the value that this error
-/// exceeds in one flight of a thousand:
+/// Widens the limits that the error of the optimal filter alone would exceed:
 ///
-/// - tracking_rms, height_rms, yaw_rms, estimate_rms to that of the rms over one flight;
-/// - tracking_max, height_max, yaw_max, estimate_max and the settling bands to that of the maximum
-///   over one flight;
-/// - final_distance and position_drift to that of the error at the end;
-/// - overshoot and yaw_overshoot to that of the maximum along the step, as a share of the step.
+/// - tracking_rms, height_rms, yaw_rms, estimate_rms to kRmsOverBound times the bound, or, if
+///   larger, to the value that the rms over one flight exceeds in one flight of a thousand;
+/// - tracking_max, height_max, yaw_max, estimate_max, final_distance and position_drift to the
+///   value that an error of kRmsOverBound times the bound exceeds in one flight of a thousand, so
+///   that a permitted rms implies permitted maxima; the settling bands likewise;
+/// - overshoot and yaw_overshoot likewise, for the error along the step as a share of the step.
 ///
 /// All other limits, and those that are already wider, stay unchanged.
 ///
