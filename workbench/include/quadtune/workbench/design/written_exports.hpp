@@ -33,11 +33,11 @@ using ExportWriter = std::function<std::vector<ManifestFile>(
 /// written to `directory` itself, several to one subfolder each, named after the kind of export.
 /// All exports are first created in memory: if one of them cannot represent the design, none is
 /// written.
-/// @throws InvalidInput  if the design has no [[export]], or as export_files()
 /// @param force  write parameters of a firmware although the margins are too small with its filters
 ///               and delay (weak_loops()); the manifest then contains the reason
-/// @throws NoSolution    if a rotation loop is unstable with the filters and delays of a firmware, or
-///                       without `force` if its margins are too small
+/// @throws InvalidInput  if the design has no [[export]], or as export_files()
+/// @throws NoSolution    if a rotation loop is unstable with the filters and delays of a firmware;
+///                       without `force`, also if its margins are too small
 /// @throws FileError, Interrupted  as `write`
 [[nodiscard]] std::vector<WrittenExport> write_exports(const DesignOutcome& outcome,
                                                        const std::string& directory,
