@@ -7,6 +7,8 @@
 #include <functional>
 #include <numbers>
 
+#include "quadtune/model/mixer.hpp"
+
 namespace quadtune {
 namespace {
 
