@@ -13,7 +13,9 @@
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/exports/exports_below.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune {
@@ -37,10 +39,19 @@ StoredLaws read_export(const fs::path& directory, const Manifest& manifest) {
   return exporter_of(manifest.kind, (directory / kManifestName).string()).read(directory, manifest);
 }
 
+std::string expected_in(const fs::path& directory) {
+  const std::vector<std::string> below = exports_below(directory);
+  if (!below.empty()) return "one of the exports in it: " + internal::joined(below, ", ");
+  std::vector<std::string> names{kGainsJsonName, exports::kControllerVars};
+  for (const UquadFileSet& set : uquad_file_sets()) names.push_back(set.proportional);
+  return "an export or one of " + internal::joined(names, ", ");
+}
+
 StoredLaws read_directory(const fs::path& path) {
   if (fs::exists(path / kManifestName)) return read_export(path, read_manifest(path));
   if (std::optional<StoredLaws> laws = read_plain(path)) return *std::move(laws);
-  throw InvalidInput(path.string(), "has no gain files of any exporter");
+  throw InvalidInput(path.string(), fmt::format("has no {} and no gain file; expected {}",
+                                                kManifestName, expected_in(path)));
 }
 
 std::optional<Manifest> manifest_of(const fs::path& path) {

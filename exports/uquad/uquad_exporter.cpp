@@ -69,14 +69,19 @@ StoredLaws read(const fs::path& directory, const Manifest& manifest) {
   return laws;
 }
 
-// Reads a file by its name. A file of numbers with another name is rejected with the names that are
-// accepted.
+// Reads a folder with a gain file, or a file by its name. A file of numbers with another name is
+// rejected with the names that are accepted.
 std::optional<StoredLaws> read_plain(const fs::path& path) {
+  const bool is_directory = fs::is_directory(path);
+  const auto is_in_it = [&](const UquadFileSet& set) {
+    return fs::exists(path / set.proportional);
+  };
   const auto is_uquad_name = [name = path.filename().string()](const UquadFileSet& set) {
     return name == set.proportional || (!set.integral.empty() && name == set.integral);
   };
   const std::vector<UquadFileSet>& sets = uquad_file_sets();
-  if (!fs::is_directory(path) && std::none_of(sets.begin(), sets.end(), is_uquad_name)) {
+  if (is_directory && std::none_of(sets.begin(), sets.end(), is_in_it)) return {};
+  if (!is_directory && std::none_of(sets.begin(), sets.end(), is_uquad_name)) {
     const char mark = first_mark(export_text(path));
     if (std::isdigit(static_cast<unsigned char>(mark)) == 0 && mark != '-' && mark != '+')
       return {};

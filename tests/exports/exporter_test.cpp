@@ -84,6 +84,27 @@ TEST(Exporter, OneOfTheUsersOwnIsWrittenReadAndVerified) {
   EXPECT_EQ(parse_design(design, "d.toml").exports.at(0).to, "rows");
 }
 
+TEST(Exporter, AFolderThatIsNoExportIsRefusedWithTheExportsInIt) {
+  const testing::TemporaryDirectory directory;
+  const std::string out = directory.path().string();
+  EXPECT_THAT([&] { (void)read_laws(directory.path()); },
+              ThrowsMessage<InvalidInput>(
+                  out + ": has no manifest.json and no gain file; expected an export or one of "
+                        "gains.json, controllerVars.m, K.txt, K_prop.txt, K_full.txt, "
+                        "K_prop_full.txt, K_prop_full_pptz.txt"));
+  for (const char* name : {"b", "a"}) {
+    std::filesystem::create_directory(directory.path() / name);
+    write_export(directory.path() / name, ExportKind::json, testing::uquad_content());
+  }
+  std::filesystem::create_directory(directory.path() / "pages");
+  EXPECT_THAT([&] { (void)read_laws(directory.path()); },
+              ThrowsMessage<InvalidInput>(out +
+                                          ": has no manifest.json and no gain file; expected "
+                                          "one of the exports in it: " +
+                                          out + "/a, " + out + "/b"));
+  EXPECT_TRUE(read_laws(directory.path() / "a").gains);
+}
+
 TEST(Exporter, AnUnknownOneIsRefusedWithThoseThatThereAre) {
   EXPECT_THAT(
       [] { (void)export_kind("uqad", "--to"); },

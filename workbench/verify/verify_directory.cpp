@@ -8,6 +8,7 @@
 
 #include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/exports_below.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
@@ -97,16 +98,6 @@ std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Mani
        {parent, parent.parent_path(), fs::current_path(), fs::current_path() / "designs"})
     add_from(folder, manifest, inputs);
   return inputs;
-}
-
-/// Names of subfolders that are exports, such as those of a design with several exports.
-std::vector<std::string> exports_below(const fs::path& directory) {
-  std::vector<std::string> found;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error))
-    if (fs::exists(entry.path() / kManifestName, error)) found.push_back(entry.path().string());
-  std::sort(found.begin(), found.end());
-  return found;
 }
 
 /// The cascade in an export's files; errors in them are left to the report.
