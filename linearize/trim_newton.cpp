@@ -72,6 +72,7 @@ T RotorCurve::torque(const T& thrust) const {
 }
 
 template double RotorCurve::speed(const double&) const;
+template double RotorCurve::torque(const double&) const;
 
 TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& condition,
                          double density_ratio)

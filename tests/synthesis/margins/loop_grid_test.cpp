@@ -83,18 +83,21 @@ TEST(LoopGrid, MissesNoPeakBetweenItsFrequencies) {
   }
 }
 
-// Only peaks that may be the largest are refined.
+// Only peaks that may be the largest are refined, whatever their size.
 TEST(LoopGrid, RefinesFewPeaks) {
   const std::vector<double> w = loop_grid({}, 0.1, 1e3);
-  int count = 0;
-  const auto f = [&](double at) {
-    ++count;
-    return 1 / std::hypot(1, 3 * std::log(at)) + 0.5 / std::hypot(1, 3 * std::log(at / 100));
-  };
-  const std::vector<double> values = values_on(w, f);
-  count = 0;
-  EXPECT_GT(highest_peak(f, w, values).value, 1);
-  EXPECT_LE(count, 25);
+  for (const double size : {1e-3, 1.0, 1e3}) {
+    int count = 0;
+    const auto f = [&](double at) {
+      ++count;
+      return size / std::hypot(1, 3 * std::log(at)) +
+             0.5 * size / std::hypot(1, 3 * std::log(at / 100));
+    };
+    const std::vector<double> values = values_on(w, f);
+    count = 0;
+    EXPECT_GT(highest_peak(f, w, values).value, size);
+    EXPECT_LE(count, 25) << size;
+  }
 }
 
 TEST(LoopGrid, ReturnsTheSlowestOfEqualPeaks) {
@@ -107,6 +110,11 @@ TEST(LoopGrid, ReturnsTheSlowestOfEqualPeaks) {
     return at > 0 ? 2 + std::cos(2 * x) * (at > 0.05 && at < 50 ? 1 : 0) : 1;
   };
   EXPECT_NEAR(highest_peak(twins, w, values_on(w, twins)).w, 0.1, 1e-8);
+  // Rounding errors do not decide.
+  for (const double rounding : {1 - 1e-13, 1 + 1e-13}) {
+    const auto unequal = [&](double at) { return twins(at) * (at > 0.5 ? rounding : 1); };
+    EXPECT_NEAR(highest_peak(unequal, w, values_on(w, unequal)).w, 0.1, 1e-8) << rounding;
+  }
 }
 
 TEST(LoopGrid, BeginsAtRestAndEndsAtNyquist) {
