@@ -58,7 +58,7 @@ TESTS = {
     ],
     "synthesis/riccati/": [("test_riccati", ["tests/synthesis/riccati"]), ("test_lqr", [])],
     "lib/model/": [
-        ("test_lib", ["tests/lib/model"]),
+        ("test_lib", ["tests/lib/model", "tests/lib/estimation"]),
         ("test_simulation", ["tests/lib/model"]),
         ("test_realism", []),
     ],

@@ -22,6 +22,9 @@ TEST(VehicleSpread, IsReadFromTheFile) {
   const VehicleSpread spread = spread_of(with_spread("inertia = 0.3\nmotor_lag = 0.4\n"));
   EXPECT_EQ(spread, (VehicleSpread{0, 0.3, 0, 0.4}));
   EXPECT_TRUE(spread.stated());
+  for (const char* line :
+       {"mass = 0.1\n", "inertia = 0.1\n", "thrust = 0.1\n", "motor_lag = 0.1\n"})
+    EXPECT_TRUE(spread_of(with_spread(line)).stated()) << line;
 }
 
 TEST(VehicleSpread, RefusesSharesOutOfRange) {
