@@ -9,8 +9,9 @@ counted apart, and another one takes its place. What survives stands in build/mu
 survivor that behaves as the original does is explained in scripts/mutants.txt: file, line, changed
 line and reason, separated by tabs.
 
-FOLDER limits the choice, e.g. discretize/ or synthesis/riccati/. Exit status 1 if a mutant survives
-without an explanation, 2 if the unchanged sources do not pass.
+FOLDER limits the choice, e.g. discretize/ or synthesis/riccati/. `mutate.py again` judges the
+survivors of the last report anew, after tests were added. Exit status 1 if a mutant survives without
+an explanation, 2 if the unchanged sources do not pass.
 """
 
 import os
@@ -328,8 +329,17 @@ def write_report(seed, killed, survivors, explained, invalid):
     REPORT.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
+def last_survivors():
+    """(seed, {(file, line, changed line)}) of the report."""
+    if not REPORT.exists():
+        sys.exit(f"mutate: {REPORT.relative_to(ROOT)} does not exist; run ./dev mutate first")
+    text = REPORT.read_text(encoding="utf-8")
+    text = text.split("\n## Survivors that are explained")[0].split("\n## Killed")[0]
+    found = re.findall(r"^(\S+):\d+\n\n    (.*)\n->  (.*)$", text, re.MULTILINE)
+    return int(re.search(r"Seed (\d+)", text)[1]), set(found)
+
+
 def main(how_many=100, seed=1, folder=""):
-    how_many, seed = int(how_many), int(seed)
     names = project_files()
     candidates = []
     for name in names:
@@ -337,6 +347,14 @@ def main(how_many=100, seed=1, folder=""):
             candidates += mutants_of(name, (ROOT / name).read_text(encoding="utf-8"))
     if not candidates:
         sys.exit(f"mutate: nothing to change in '{folder}', expected one of {' '.join(TESTS)}")
+    if how_many == "again":
+        seed, wanted = last_survivors()
+        candidates = [one for one in candidates if (one.name, one.was, one.now) in wanted]
+        how_many = len(candidates)
+        if not candidates:
+            print("mutate: the last report has no survivor that the sources still allow")
+            return 0
+    how_many, seed = int(how_many), int(seed)
     random.Random(seed).shuffle(candidates)
     rooms = sorted({room_of(mutant.name) for mutant in candidates[: 3 * how_many]})
 
@@ -377,6 +395,6 @@ def main(how_many=100, seed=1, folder=""):
 if __name__ == "__main__":
     if len(sys.argv) > 4 or "-h" in sys.argv or "--help" in sys.argv:
         sys.exit(__doc__)
-    if not all(word.isdecimal() for word in sys.argv[1:3]):
-        sys.exit(f"mutate: expected two numbers and a folder\n{__doc__}")
+    if sys.argv[1:] != ["again"] and not all(word.isdecimal() for word in sys.argv[1:3]):
+        sys.exit(f"mutate: expected two numbers and a folder, or again\n{__doc__}")
     sys.exit(main(*sys.argv[1:]))
