@@ -33,40 +33,27 @@ BUILD = WORK / "build"
 REPORT = WORK / "report.md"
 EXPLAINED = ROOT / "scripts" / "mutants.txt"
 
-# Folder of sources -> the programs that test it, each with the folders whose suites run; none: all.
+# Folder of sources -> the tests that run, by the beginning of their path.
 TESTS = {
-    "linearize/": [("test_linearize", [])],
-    "discretize/": [("test_discretize", [])],
-    "synthesis/cascade/": [("test_pid", ["tests/synthesis/cascade"])],
-    "synthesis/certify/": [("test_robustness", [])],
-    "synthesis/flown/": [("test_flown", ["tests/synthesis/flown", "tests/synthesis/lqr"])],
-    "synthesis/kalman/": [
-        ("test_lqr", ["tests/synthesis/kalman"]),
-        ("test_flown", ["tests/synthesis/kalman"]),
-    ],
-    "synthesis/lqr/": [("test_lqr", []), ("test_flown", ["tests/synthesis/lqr"])],
-    "synthesis/lyapunov/": [
-        ("test_riccati", ["tests/synthesis/lyapunov"]),
-        ("test_margins", ["tests/synthesis/lyapunov"]),
-    ],
-    "synthesis/margins/": [
-        ("test_margins", ["tests/synthesis/margins"]),
-        ("test_flown", ["tests/synthesis/margins"]),
-    ],
-    "synthesis/pid/": [
-        ("test_pid", ["tests/synthesis/pid", "tests/synthesis/cascade"]),
-        ("test_margins", ["tests/synthesis/pid"]),
-    ],
-    "synthesis/riccati/": [("test_riccati", ["tests/synthesis/riccati"]), ("test_lqr", [])],
+    "linearize/": ["tests/linearize/"],
+    "discretize/": ["tests/discretize/"],
+    "synthesis/cascade/": ["tests/synthesis/cascade/"],
+    "synthesis/certify/": ["tests/synthesis/certify/"],
+    "synthesis/flown/": ["tests/synthesis/flown/", "tests/synthesis/lqr/"],
+    "synthesis/kalman/": ["tests/synthesis/kalman/"],
+    "synthesis/lqr/": ["tests/synthesis/lqr/"],
+    "synthesis/lyapunov/": ["tests/synthesis/lyapunov/"],
+    "synthesis/margins/": ["tests/synthesis/margins/"],
+    "synthesis/pid/": ["tests/synthesis/pid/", "tests/synthesis/cascade/"],
+    "synthesis/riccati/": ["tests/synthesis/riccati/", "tests/synthesis/lqr/"],
     "lib/model/": [
-        ("test_lib", ["tests/lib/model", "tests/lib/estimation"]),
-        ("test_simulation", ["tests/lib/model"]),
-        ("test_realism", []),
+        "tests/lib/model/",
+        "tests/lib/simulation/motor_",
+        "tests/lib/simulation/sensor_",
+        "tests/lib/simulation/rotor_",
+        "tests/lib/estimation/uquad_filter_test.cpp",  # the Jacobian of the equations of motion
     ],
-    "lib/control/": [
-        ("test_lib", ["tests/lib/control"]),
-        ("test_simulation", ["tests/lib/control", "tests/lib/simulation"]),
-    ],
+    "lib/control/": ["tests/lib/control/", "tests/lib/simulation/"],
 }
 # Public headers with the physics and the laws; those of the other folders declare only.
 TESTS["lib/include/quadtune/model/"] = TESTS["lib/model/"]
@@ -113,6 +100,7 @@ NUMBERS = re.compile(
     r"|std::complex<\w+>) [\w:]+\("
 )
 LEFT_ALONE = re.compile(r"\b\w*assert\w*\s*\(|\btemplate\s*<|^\s*using\b|///<")
+PROGRAM = re.compile(r"^ *quadtune_test\((\w+)((?:[^()]|\$\{\w+\})*)\)", re.MULTILINE)
 SUITE = re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\(\s*(\w+)", re.MULTILINE)
 
 
@@ -215,22 +203,42 @@ def build(programs):
     return said if run.returncode else ""
 
 
-def filter_of(folders):
-    suites = set()
-    for folder in folders:
-        for path in sorted((ROOT / folder).glob("*_test.cpp")):
-            suites.update(SUITE.findall(path.read_text(encoding="utf-8")))
-    return ":".join(f"{suite}.*:*/{suite}.*:{suite}/*" for suite in sorted(suites)) or "*"
+def test_programs():
+    """{program: its sources}, without the programs that need a peer."""
+    programs = {}
+    for lists in sorted((ROOT / "tests").glob("**/CMakeLists.txt")):
+        for call in PROGRAM.finditer(lists.read_text(encoding="utf-8")):
+            if "LABELS" in call[2]:
+                continue
+            sources = [lists.parent / word for word in call[2].split() if word.endswith("_test.cpp")]
+            programs[f"test_{call[1]}"] = [str(path.relative_to(ROOT)) for path in sources]
+    return programs
 
 
-def test(program, folders, limit_s):
+def programs_of(room):
+    """[(program, filter)] of the tests of a folder; the program with most of them first."""
+    found = []
+    for program, sources in test_programs().items():
+        chosen = [name for name in sources if name.startswith(tuple(TESTS[room]))]
+        suites = set()
+        for name in chosen:
+            suites.update(SUITE.findall((ROOT / name).read_text(encoding="utf-8")))
+        if suites:
+            words = ":".join(f"{suite}.*:*/{suite}.*:{suite}/*" for suite in sorted(suites))
+            found.append((-len(chosen), len(sources), program, words))
+    if not found:
+        sys.exit(f"mutate: no test program has tests in {' '.join(TESTS[room])}")
+    return [(program, words) for _, _, program, words in sorted(found)]
+
+
+def test(program, words, limit_s):
     """How a test program ends: "passed", "failed" or "no end", with the first failing test."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "output"
         with output.open("wb") as stream:
             run = subprocess.Popen(
                 [str(BUILD / "bin" / program), "--gtest_brief=1", "--gtest_fail_fast",
-                 f"--gtest_filter={filter_of(folders)}"],
+                 f"--gtest_filter={words}"],
                 cwd=folder, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, start_new_session=True,
                 preexec_fn=lambda: resource.setrlimit(
@@ -256,7 +264,7 @@ def test(program, folders, limit_s):
 def limits_of(rooms):
     """How long the programs of each folder may take, after the unchanged sources have passed."""
     limits = {}
-    programs = sorted({program for room in rooms for program, _ in TESTS[room]})
+    programs = sorted({program for room in rooms for program, _ in programs_of(room)})
     print(f"mutate: building {' '.join(programs)}", flush=True)
     said = build(programs)
     if said:
@@ -264,9 +272,9 @@ def limits_of(rooms):
         print("mutate: the unchanged sources do not build")
         sys.exit(2)
     for room in rooms:
-        for program, folders in TESTS[room]:
+        for program, words in programs_of(room):
             start = time.monotonic()
-            outcome, why = test(program, folders, 3600)
+            outcome, why = test(program, words, 3600)
             if outcome != "passed":
                 print(f"mutate: {program} does not pass with the unchanged sources: {why}")
                 sys.exit(2)
@@ -282,10 +290,10 @@ def judge(mutant, limits):
     room = room_of(mutant.name)
     try:
         path.write_text(text[: mutant.start] + mutant.after + text[mutant.end :], encoding="utf-8")
-        for program, folders in TESTS[room]:
+        for program, words in programs_of(room):
             if build([program]):
                 return "invalid"
-            outcome, why = test(program, folders, limits[room, program])
+            outcome, why = test(program, words, limits[room, program])
             if outcome != "passed":
                 return why or f"{program} did not end"
         return "survived"

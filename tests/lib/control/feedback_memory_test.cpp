@@ -11,6 +11,7 @@
 #include "numbers.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/gains.hpp"
 
 namespace quadtune {
 namespace {
@@ -96,6 +97,42 @@ TEST(FeedbackMemory, IsItsFormula) {
         commands.pop_back();
         commands.push_front(made);
       }
+    }
+  }
+}
+
+// The law in a loop with a linear plant follows the matrices of open_loop(), closed by u = -C z.
+TEST(FeedbackMemory, HasTheMatricesOfOpenLoop) {
+  const Vehicle mambo = load_vehicle("mambo");
+  std::mt19937_64 random(9);
+  for (const int past : {0, 1, 3}) {
+    Gains gains = wrench_gains(random, {});
+    gains.memory = random_memory(random, past);
+    DiscreteLti plant;
+    plant.A = 0.2 * draw_matrix(random, 12, 12);
+    plant.B = 0.2 * draw_matrix(random, 12, 4);
+    plant.C = MatrixXd::Identity(12, 12);
+    plant.D = MatrixXd::Zero(12, 4);
+    plant.dt = gains.dt;
+    plant.states = plant.outputs = gains.states;
+    plant.inputs = gains.inputs;
+    const DiscreteLti loop = open_loop(plant, gains);
+    ASSERT_EQ(loop.A.rows(), 12 + 4 * (1 + past));
+    EXPECT_EQ(std::ssize(loop.states), loop.A.rows());
+    const StateFeedbackSettings<double> law = state_feedback_settings(mambo, gains, gains.dt, {});
+    StateFeedbackState<double> state;
+    VectorXd x = draw_matrix(random, 12, 1);
+    VectorXd z = VectorXd::Zero(loop.A.rows());
+    z.head(12) = x;
+    for (int k = 0; k < 30; ++k) {
+      Estimate<double> estimate;
+      estimate.x = x;
+      const auto u = step(law, state, estimate, Reference<double>());
+      const VectorXd change = u.head(4) - gains.u0;
+      EXPECT_THAT(change, MatrixNear(VectorXd(-loop.C * z), 1e-12)) << past << " " << k;
+      on_realized(law, state, u, u);
+      x = plant.A * x + plant.B * change;
+      z = (loop.A - loop.B * loop.C) * z;
     }
   }
 }

@@ -36,6 +36,17 @@ TEST(PeakGain, OfAResonance) {
   EXPECT_EQ(peak_gain(resonance(0)).gain, kInfinite);
 }
 
+// The norm of a scaled plant is the scaled norm, however small.
+TEST(PeakGain, ScalesWithThePlant) {
+  for (const double scale : {1e-9, 1e-3, 1e6}) {
+    ContinuousLti plant = resonance(0.1);
+    plant.C *= scale;
+    const PeakGain peak = peak_gain(plant);
+    EXPECT_NEAR(peak.gain / scale * 0.2 * std::sqrt(0.99), 1, 1e-9) << scale;
+    EXPECT_NEAR(peak.w, std::sqrt(0.98), 1e-4) << scale;
+  }
+}
+
 TEST(PeakGain, AtTheEnds) {
   // (3 s + 1)/(s + 1) ends at 3; 1/(s - 2) is not stable, and its L∞ norm is 1/2.
   const PeakGain high =

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pid/gain_gaps.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace quadtune::internal {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// |larger|² - |smaller|² = square g² + 2 half g + min² + constant for real responses.
+std::vector<GainInterval> forbidden_by(const AffineResponse& larger, const AffineResponse& smaller,
+                                       double min) {
+  std::vector<GainInterval> forbidden;
+  forbid(larger, smaller, min, 3, forbidden);
+  return forbidden;
+}
+
+TEST(GainGaps, ForbidWhereTheInequalityFails) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const auto complex = [&] { return std::complex<double>(normal(random), normal(random)); };
+  int inside = 0, outside = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const AffineResponse larger{complex(), complex()}, smaller{complex(), complex()};
+    const double min = std::abs(normal(random));
+    const std::vector<GainInterval> forbidden = forbidden_by(larger, smaller, min);
+    const double g = std::exp(2 * normal(random));
+    const double excess = std::norm(larger.alpha + larger.beta * g) -
+                          std::norm(smaller.alpha + smaller.beta * g) - min * min;
+    if (std::abs(excess) < 1e-9 * (1 + g * g)) continue;
+    bool is_forbidden = false;
+    for (const GainInterval& interval : forbidden) {
+      EXPECT_EQ(interval.w, 3);
+      is_forbidden |= interval.low < g && g < interval.high;
+    }
+    EXPECT_EQ(is_forbidden, excess < 0) << trial;
+    ++(is_forbidden ? inside : outside);
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(outside, 500);
+}
+
+// If the two responses grow almost equally, one root is far away; the near one, (min² - α²)/(2 α),
+// keeps its digits for either sign of the linear term.
+TEST(GainGaps, KeepTheDigitsOfTheNearRoot) {
+  const double more = 1 + std::numeric_limits<double>::epsilon();
+  {
+    // (0.5 + g)² ≥ (g (1 + ε))² + 1.25 from g = 1 on, to the far root.
+    const auto forbidden = forbidden_by({0.5, 1}, {0, more}, std::sqrt(1.25));
+    ASSERT_EQ(forbidden.size(), 2U);
+    EXPECT_NEAR(forbidden[0].high, 1, 1e-14);
+    EXPECT_GT(forbidden[1].low, 1e15);
+    EXPECT_EQ(forbidden[1].high, kInfinity);
+  }
+  {
+    // (g (1 + ε) - 0.5)² ≥ g² up to g = 0.25, and beyond the far root.
+    const auto forbidden = forbidden_by({-0.5, more}, {0, 1}, 0);
+    ASSERT_EQ(forbidden.size(), 1U);
+    EXPECT_NEAR(forbidden[0].low, 0.25, 1e-14);
+    EXPECT_GT(forbidden[0].high, 1e15);
+  }
+}
+
+}  // namespace
+}  // namespace quadtune::internal
