@@ -227,14 +227,11 @@ class Rounding {
     for (Index j = 0; j < M.cols(); ++j)
       for (Index i = 0; i < M.rows(); ++i) {
         if (symmetric_too && i < j) {
-          moved(i, j) = moved(j, i);
+          moved(i, j) = moved(j, i);  // column i is complete
           continue;
         }
         moved(i, j) *= Real(1) + Real(random_() % 2 == 0 ? kHalfUnit : -kHalfUnit);
       }
-    if (symmetric_too)
-      for (Index j = 0; j < M.cols(); ++j)
-        for (Index i = 0; i < j; ++i) moved(i, j) = moved(j, i);
     return moved;
   }
 

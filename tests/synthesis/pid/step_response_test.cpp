@@ -41,6 +41,13 @@ TEST(StepResponse, OfAnIntegratorIsExact) {
     ASSERT_NEAR(response.y[k], 1 - std::exp(-response.t[k]), 1e-12);
 }
 
+// L = (s + 2)/(s + 1) passes the step on at once: T = (s + 2)/(2 s + 3).
+TEST(StepResponse, OfAFeedThroughBeginsWithAJump) {
+  const StepResponse response = step_response(OpenLoop(fraction_of({1, 2}, {1, 1})));
+  for (std::size_t k = 0; k < response.t.size(); ++k)
+    ASSERT_NEAR(response.y[k], 0.5 + (1 - std::exp(-1.5 * response.t[k])) / 6, 1e-12);
+}
+
 // By steps of the delay θ = 0.5 under L = e^(-θs)/s: 0, t - θ, then less (t - 2θ)²/2, ….
 TEST(StepResponse, OfADelayedIntegratorFollowsThePolynomials) {
   const double delay = 0.5;
