@@ -51,6 +51,21 @@ TEST(ToContinuous, UndoesTheHoldOfHover) {
   EXPECT_EQ(again.inputs, p.inputs);
 }
 
+// Without C and D the output is the state, and Tustin's method gives the outputs its names.
+TEST(ToContinuous, OutputsWithoutCAreTheStates) {
+  DiscreteLti plant;
+  plant.A = MatrixXd{{0.9, 0.1}, {0, 0.8}};
+  plant.B = MatrixXd{{0.1}, {0.2}};
+  plant.dt = 0.1;
+  plant.states = {{"angle", "rad"}, {"rate", "rad/s"}};
+  plant.inputs = {{"torque", "N m"}};
+  const ContinuousLti without = to_continuous(plant, Method::tustin);
+  EXPECT_EQ(without.outputs, plant.states);
+  plant.C = MatrixXd{{1, 0}};
+  plant.outputs = {{"sensor", "V"}};
+  EXPECT_EQ(to_continuous(plant, Method::tustin).outputs, plant.outputs);
+}
+
 TEST(ToContinuous, UndoesTransferFunctions) {
   const auto list = [](std::initializer_list<double> numbers) {
     return VectorXd(Eigen::Map<const VectorXd>(numbers.begin(), std::ssize(numbers)));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <random>
 #include <vector>
 
 #include "matrix_near.hpp"
@@ -140,6 +141,37 @@ TEST(FlownAxis, CostEqualsThatOfASimulatedStep) {
     x = (part.A[0] * x + part.B[0] * u).eval();
   }
   EXPECT_NEAR(cost.cost, sum, 1e-8 * sum);
+}
+
+/// A matrix law on the extended plant commands what the law with the integral and the filter does:
+/// u = v + rate s on the plant, with s the sum of v, and the rate seen through its filter.
+TEST(FlownAxis, TiltIntegralIsItsRecursion) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> between(-1, 1);
+  const auto draw = [&](Index rows, Index cols) {
+    return MatrixXd(0.3 * MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); }));
+  };
+  PeriodicLti plant;
+  plant.A = {draw(5, 5), draw(5, 5)};
+  plant.B = {draw(5, 1), draw(5, 1)};
+  plant.C = draw(4, 5);
+  plant.dt = 0.01;
+  const double rate = 20;
+  const PeriodicLti extended = with_tilt_integral(plant, rate);
+  ASSERT_EQ(extended.A[0].rows(), 7);
+  VectorXd x = draw(5, 1), z = VectorXd::Zero(7);
+  z.head(5) = x;
+  double sum = 0, filtered = 0;
+  for (std::size_t k = 0; k < 60; ++k) {
+    VectorXd y = plant.C * x;
+    y(3) -= rate * filtered;
+    EXPECT_THAT(VectorXd(extended.C * z), MatrixNear(y, 1e-12)) << k;
+    const double v = between(random), u = v + rate * sum;
+    sum += plant.dt * v;
+    filtered += plant.dt * y(3);
+    x = (plant.A[k % 2] * x + plant.B[k % 2] * u).eval();
+    z = (extended.A[k % 2] * z + extended.B[k % 2] * v).eval();
+  }
 }
 
 TEST(FlownAxis, RefusesWhatDoesNotFit) {
