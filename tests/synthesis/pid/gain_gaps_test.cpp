@@ -50,19 +50,19 @@ TEST(GainGaps, ForbidWhereTheInequalityFails) {
 TEST(GainGaps, KeepTheDigitsOfTheNearRoot) {
   const double more = 1 + std::numeric_limits<double>::epsilon();
   {
-    // (0.5 + g)² ≥ (g (1 + ε))² + 1.25 from g = 1 on, to the far root.
-    const auto forbidden = forbidden_by({0.5, 1}, {0, more}, std::sqrt(1.25));
+    // (0.3 + g)² ≥ (g (1 + ε))² + 1 from g = 0.91/0.6 on, to the far root.
+    const auto forbidden = forbidden_by({0.3, 1}, {0, more}, 1);
     ASSERT_EQ(forbidden.size(), 2U);
-    EXPECT_NEAR(forbidden[0].high, 1, 1e-14);
-    EXPECT_GT(forbidden[1].low, 1e15);
+    EXPECT_NEAR(forbidden[0].high, 0.91 / 0.6, 1e-14);
+    EXPECT_GT(forbidden[1].low, 1e14);
     EXPECT_EQ(forbidden[1].high, kInfinity);
   }
   {
-    // (g (1 + ε) - 0.5)² ≥ g² up to g = 0.25, and beyond the far root.
-    const auto forbidden = forbidden_by({-0.5, more}, {0, 1}, 0);
+    // (g (1 + ε) - 0.3)² ≥ g² up to g = 0.15, and beyond the far root.
+    const auto forbidden = forbidden_by({-0.3, more}, {0, 1}, 0);
     ASSERT_EQ(forbidden.size(), 1U);
-    EXPECT_NEAR(forbidden[0].low, 0.25, 1e-14);
-    EXPECT_GT(forbidden[0].high, 1e15);
+    EXPECT_NEAR(forbidden[0].low, 0.15, 1e-14);
+    EXPECT_GT(forbidden[0].high, 1e14);
   }
 }
 
