@@ -85,13 +85,15 @@ TEST(LoopGrid, MissesNoPeakBetweenItsFrequencies) {
 
 // Only peaks that may be the largest are refined, whatever their size.
 TEST(LoopGrid, RefinesFewPeaks) {
-  const std::vector<double> w = loop_grid({}, 0.1, 1e3);
+  const std::vector<double> w = loop_grid({}, 0.1, 1e7);
   for (const double size : {1e-3, 1.0, 1e3}) {
     int count = 0;
     const auto f = [&](double at) {
       ++count;
-      return size / std::hypot(1, 3 * std::log(at)) +
-             0.5 * size / std::hypot(1, 3 * std::log(at / 100));
+      double sum = 1 / std::hypot(1, 10 * std::log(at));
+      for (const double other : {1e2, 1e3, 1e4, 1e5, 1e6})
+        sum += 0.5 / std::hypot(1, 10 * std::log(at / other));
+      return size * sum;
     };
     const std::vector<double> values = values_on(w, f);
     count = 0;
