@@ -25,7 +25,8 @@ LIMIT_S = 600
 
 
 def fences(lines):
-    """Yields (language, first line of the content, line after it) for each fenced block that runs."""
+    """Yields (language, first line of the content, line after it, expression of what may differ) for
+    each fenced block that runs."""
     number = 0
     while number < len(lines):
         opened = re.match(r'```(\w+)\s*$', lines[number])
@@ -42,8 +43,9 @@ def fences(lines):
         while end < len(lines) and not lines[end].startswith('```'):
             end += 1
         above = lines[number - 1] if number > 0 else ''
+        may_differ = re.match(r'<!-- may differ: (.*) -->$', above)
         if not above.startswith('<!-- not run'):
-            yield opened.group(1), first, end
+            yield opened.group(1), first, end, may_differ and may_differ.group(1)
         number = end + 1
 
 
@@ -64,6 +66,11 @@ def matches(expected, printed):
     if expected[0].strip() == '...':
         return any(matches(expected[1:], printed[n:]) for n in range(len(printed) + 1))
     return bool(printed) and printed[0] == expected[0] and matches(expected[1:], printed[1:])
+
+
+def masked(lines, may_differ):
+    """The lines without what may differ."""
+    return [re.sub(may_differ, '~', line) for line in lines] if may_differ else lines
 
 
 def environment(program, folder):
@@ -89,7 +96,7 @@ def run_page(program, source, page, update):
         for entry in LINKED:
             if (source / entry).exists():
                 (work / entry).symlink_to(source / entry)
-        for language, first, end in fences(lines):
+        for language, first, end, may_differ in fences(lines):
             named = first < end and re.match(r'# ([\w-]+\.(?:toml|py))$', lines[first])
             if language in ('toml', 'python') and named:
                 (work / named.group(1)).write_text('\n'.join(lines[first:end]) + '\n')
@@ -109,7 +116,8 @@ def run_page(program, source, page, update):
                     printed.pop()
                 stated = re.search(r'# exit status (\d+)$', command)
                 status = int(stated.group(1)) if stated else 0
-                if matches(expected, printed) and result.returncode == status:
+                if result.returncode == status and matches(masked(expected, may_differ),
+                                                           masked(printed, may_differ)):
                     continue
                 if update and result.returncode == status and '...' not in (line.strip() for line in expected):
                     changes.append((output, output + len(expected), printed))
