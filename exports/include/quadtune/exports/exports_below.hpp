@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Finds the exports in a folder, for messages about a folder that is none itself.
+/// Finds the exports in a folder, for messages about a folder that is not an export itself.
 #pragma once
 
 #include <filesystem>
