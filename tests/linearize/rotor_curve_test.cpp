@@ -19,8 +19,9 @@ TEST(RotorCurve, InvertsThrustAndTorqueOfARotor) {
     const Vehicle vehicle = load_vehicle(name);
     const Rotor& rotor = vehicle.rotors.front();
     const RotorCurve curve = curve_of(vehicle);
-    for (double share = 0.1; share <= 1; share += 0.1) {
-      const double speed = curve.min_speed() + share * (curve.max_speed() - curve.min_speed());
+    for (int tenth = 1; tenth <= 10; ++tenth) {
+      const double speed =
+          curve.min_speed() + 0.1 * tenth * (curve.max_speed() - curve.min_speed());
       const double thrust = rotor_thrust(rotor, speed, 1);
       EXPECT_NEAR(curve.speed(thrust), speed, 1e-9 * speed) << name;
       EXPECT_NEAR(curve.torque(thrust), rotor_torque(rotor, speed, 1),

@@ -46,12 +46,13 @@ Gains wrench_gains(std::mt19937_64& random, const std::vector<std::string>& inte
 }
 
 CommandMemory random_memory(std::mt19937_64& random, int past) {
+  const Eigen::Index columns = 4 * Eigen::Index{past};
   CommandMemory memory;
   memory.lag = Vector4d(0.02, 0.03, 0.04, 0.05);
   // Small, so that commands that feed back themselves do not grow.
   memory.K_lag = 0.1 * draw_matrix(random, 4, 4);
   memory.past = past;
-  memory.K_past = 0.1 * draw_matrix(random, 4, 4 * past);
+  memory.K_past = 0.1 * draw_matrix(random, 4, columns);
   return memory;
 }
 
@@ -83,7 +84,7 @@ TEST(FeedbackMemory, IsItsFormula) {
       integral += gains.dt * error(2);
       VectorXd expected = gains.u0 + gains.K * error + gains.K_int * integral -
                           gains.memory->K_lag * (m - gains.u0);
-      for (int j = 0; j < past; ++j)
+      for (Eigen::Index j = 0; j < past; ++j)
         expected -= gains.memory->K_past.middleCols(4 * j, 4) *
                     (commands[static_cast<std::size_t>(j)] - gains.u0);
       const auto u = step(law, state, estimate, reference);
