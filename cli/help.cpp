@@ -48,6 +48,7 @@ CommandHelp help_of(const Verb& verb) {
 
 std::vector<CommandHelp> help_of(const std::vector<Verb>& some) {
   std::vector<CommandHelp> all;
+  all.reserve(some.size());
   for (const Verb& verb : some) all.push_back(help_of(verb));
   return all;
 }

@@ -99,7 +99,7 @@ void run_kalman(const Options& options, Context& context) {
         return json;
       },
       [&] {
-        const std::string text = to_text(result, period);
+        std::string text = to_text(result, period);
         if (!options.show_sampled) return text;
         return text + section("sampled A", plain(solution.sampled->A)) +
                section("sampled Q", plain(solution.sampled->Q)) +

@@ -60,7 +60,7 @@ bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
 
 /// The first given option that applies only to the ideal plant; empty if there is none.
 std::string option_of_ideal(const CommandLine& line, bool matrix) {
-  for (const std::string name : kIdealOptions)
+  for (std::string name : kIdealOptions)
     if (line.was_given(name) && !(matrix && (name == "--convention" || name == "--inputs")))
       return name;
   return "";

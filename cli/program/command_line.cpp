@@ -251,7 +251,7 @@ bool CommandLine::was_given(std::string_view name) const {
 void CommandLine::refuse_given(const std::vector<std::string>& names,
                                const std::string& why) const {
   for (const std::string& name : names)
-    if (was_given(name)) parser_->refuse(name, name + " " + why);
+    if (was_given(name)) parser_->refuse(name, fmt::format("{} {}", name, why));
 }
 
 const Option* CommandLine::find(std::string_view name) const {

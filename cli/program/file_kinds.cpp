@@ -82,10 +82,11 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty())
       return fmt::format("; this is {}, which no command reads", to_string(*kind));
-    constexpr std::size_t kShown = 4;
-    const Words shown(takers.begin(), takers.begin() + std::min(takers.size(), kShown));
-    const std::string more = takers.size() > kShown
-                                 ? fmt::format(" and {} more", takers.size() - kShown)
+    constexpr std::ptrdiff_t kShown = 4;
+    const Words shown(takers.begin(),
+                      takers.begin() + std::min<std::ptrdiff_t>(std::ssize(takers), kShown));
+    const std::string more = std::ssize(takers) > kShown
+                                 ? fmt::format(" and {} more", std::ssize(takers) - kShown)
                                  : std::string();
     return fmt::format("; this is {}, which is for quadtune {}{}", to_string(*kind),
                        internal::joined(shown, ", "), more);
