@@ -83,8 +83,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     if (takers.empty())
       return fmt::format("; this is {}, which no command reads", to_string(*kind));
     constexpr std::ptrdiff_t kShown = 4;
-    const Words shown(takers.begin(),
-                      takers.begin() + std::min<std::ptrdiff_t>(std::ssize(takers), kShown));
+    const Words shown(takers.begin(), takers.begin() + std::min(std::ssize(takers), kShown));
     const std::string more = std::ssize(takers) > kShown
                                  ? fmt::format(" and {} more", std::ssize(takers) - kShown)
                                  : std::string();

@@ -227,7 +227,7 @@ class Rounding {
     for (Index j = 0; j < M.cols(); ++j)
       for (Index i = 0; i < M.rows(); ++i) {
         if (symmetric_too && i < j) {
-          moved(i, j) = moved(j, i);  // column i is complete
+          moved(i, j) = moved(j, i);  // perturbed before, with column i
           continue;
         }
         moved(i, j) *= Real(1) + Real(random_() % 2 == 0 ? kHalfUnit : -kHalfUnit);

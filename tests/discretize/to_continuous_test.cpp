@@ -51,7 +51,8 @@ TEST(ToContinuous, UndoesTheHoldOfHover) {
   EXPECT_EQ(again.inputs, p.inputs);
 }
 
-// Without C and D the output is the state, and Tustin's method gives the outputs its names.
+// A plant without C has its states as outputs. Tustin's method computes a C for them, so the result
+// has outputs, with the names of the states.
 TEST(ToContinuous, OutputsWithoutCAreTheStates) {
   DiscreteLti plant;
   plant.A = MatrixXd{{0.9, 0.1}, {0, 0.8}};

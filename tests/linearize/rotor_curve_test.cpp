@@ -31,8 +31,8 @@ TEST(RotorCurve, InvertsThrustAndTorqueOfARotor) {
   }
 }
 
-// Newton's method passes through thrusts that no rotor has. The torque is continued there by the
-// tangent, so value and slope are those of the curve and every second difference is zero.
+// Newton's method passes through thrusts that no rotor has. There the torque is continued by the
+// tangent: value and slope are continuous, and the continuation is a straight line.
 TEST(RotorCurve, ContinuesTheTorqueByItsTangent) {
   for (const char* name : {"uquad", "mambo"}) {
     const Vehicle vehicle = load_vehicle(name);

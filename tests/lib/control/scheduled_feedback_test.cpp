@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <random>
 
 #include "matrix_near.hpp"
@@ -74,7 +75,8 @@ TEST(ScheduledFeedback, GainsFollowTheMotionInTheWorld) {
           R * Eigen::AngleAxisd(angle.norm(), angle.normalized()).toRotationMatrix();
       return std::atan2(turned(1, 0), turned(0, 0));
     };
-    level.x(11) = std::remainder(heading(kMoment) - heading(-kMoment), 2 * M_PI) / (2 * kMoment);
+    level.x(11) =
+        std::remainder(heading(kMoment) - heading(-kMoment), 2 * std::numbers::pi) / (2 * kMoment);
     EXPECT_THAT(gain_at(tilted), MatrixNear(gain_at(level), 1e-6)) << tilted.x.transpose();
   }
 }

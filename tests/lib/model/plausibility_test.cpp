@@ -16,6 +16,7 @@ using ::testing::HasSubstr;
 constexpr double kRpm = 2 * std::numbers::pi / 60;
 
 TEST(Plausibility, FindsNothingInTheBuiltInVehicles) {
+  ASSERT_FALSE(built_in_vehicles().empty());
   for (const std::string& name : built_in_vehicles())
     for (const Implausibility& figure : find_implausible_values(load_vehicle(name)))
       ADD_FAILURE() << name << ": " << to_string(figure);

@@ -39,8 +39,8 @@ LoopFamily bowl(const VectorXd& centre, double theta0) {
   return family;
 }
 
-// With five parameters no start is near the centre, and no corner lies on one side of it in all of
-// them.
+// With five parameters no start is near the centre, so the search has to increase some parameters
+// and to decrease others.
 TEST(RobustnessSearch, ClimbsToAMaximumInsideTheBox) {
   VectorXd centre(5);
   centre << 0.31, -0.42, -0.17, 0.23, -0.05;

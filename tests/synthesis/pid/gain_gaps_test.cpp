@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// |larger|² - |smaller|² = square g² + 2 half g + min² + constant for real responses.
+/// The intervals of g in which |larger|² < |smaller|² + min².
 std::vector<GainInterval> forbidden_by(const AffineResponse& larger, const AffineResponse& smaller,
                                        double min) {
   std::vector<GainInterval> forbidden;
