@@ -44,7 +44,7 @@ TEST(FirmwareGains, MeetTheBoundInTheFirmwaresLoops) {
   options.structure = CascadeStructure::pid;  // firmware_gains() chooses what the firmwares fly
   const FlownGains both = firmware_gains(vehicle, firmwares, options);
   for (const Firmware& target : firmwares) {
-    EXPECT_GT(worst_Ms(target, vehicle, as_cascade(plain, options.dt)), 2.1)
+    EXPECT_GT(worst_Ms(target, vehicle, as_cascade(plain, options.dt)), 2.041)
         << to_string(target.kind);
     EXPECT_LT(worst_Ms(target, vehicle, as_cascade(both, options.dt)), 2.041)
         << to_string(target.kind);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "plants/firmware_vehicles.hpp"
+#include "quadtune/linearize.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "source_folder.hpp"
 
@@ -90,6 +91,32 @@ TEST(FirmwareImport, ReactionOfTheRotorsLeadsInYawAlone) {
   EXPECT_EQ(loop(CascadeAxis::roll, s), roll);
   const Complex expected = yaw * (1.0 + s * 6e-5 / torque_slope);
   EXPECT_LT(std::abs(loop(CascadeAxis::yaw, s) / expected - 1.0), 1e-12);
+}
+
+// The slope of the torque by the rate is that of the linear model; without air on its rotors the
+// vehicle is a rigid body.
+TEST(FirmwareImport, AirOnTheRotorsDampsTurns) {
+  const Vehicle vehicle = load_vehicle(testing::source_folder() + "/vehicles/quad-450.toml");
+  Vehicle rigid = vehicle;
+  for (Rotor& rotor : rigid.rotors) rotor.drag = rotor.inflow = rotor.flapping = 0;
+  const Linearization model = linearize(vehicle, FlightCondition{}, {});
+  const Firmware px4 = firmware(FirmwareKind::px4, {}, "test");
+  const std::vector<FirmwareTurn> turns = firmware_turns(px4, vehicle, {});
+  ASSERT_EQ(turns.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FirmwareTurn& turn = turns[i];
+    const Eigen::Index rate = i == 0 ? 9 : i == 1 ? 10 : 11;
+    const double damping = -turn.inertia * model.plant.A(rate, rate);
+    ASSERT_GT(damping, 0);
+    EXPECT_NEAR(turn.damping, damping, 1e-9 * damping) << to_string(turn.gains.axis);
+    for (const double w : {0.3, 5.0, 40.0}) {
+      const Complex s(0, w);
+      const Complex ratio = firmware_turn_loop(px4, vehicle, turn.gains, {}, true)(s) /
+                            firmware_turn_loop(px4, rigid, turn.gains, {}, true)(s);
+      const Complex expected = turn.inertia * s / (turn.inertia * s + damping);
+      EXPECT_LT(std::abs(ratio / expected - 1.0), 1e-9) << to_string(turn.gains.axis);
+    }
+  }
 }
 
 /// The filters of a loop at one frequency.

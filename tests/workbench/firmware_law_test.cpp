@@ -66,8 +66,9 @@ Reference<double> level() {
 
 /// Whether a rotation about one axis decays under the firmware's law. The axis is integrated
 /// separately: the torque is held over a sample and follows with the motor lag.
-bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int axis, double inertia,
-              double lag) {
+/// @param gain  factor of the vehicle's response to the torque
+bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int axis,
+              const FirmwareTurn& turn, double gain) {
   const OwnController controller = firmware_controller(vehicle, parameters, {});
   const std::unique_ptr<FlightLaw> law = controller.make(vehicle);
   constexpr int kParts = 4;
@@ -81,8 +82,9 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
     const double asked = law->command(at(x), level())(1 + axis);
     for (int i = 0; i < kParts; ++i) {
       const double before = torque;
-      torque = asked + (torque - asked) * std::exp(-h / lag);
-      const double acceleration = 0.5 * (before + torque) / inertia;
+      torque = asked + (torque - asked) * std::exp(-h / turn.lag);
+      const double acceleration =
+          (0.5 * (before + torque) * gain - turn.damping * rate) / turn.inertia;
       angle += h * (rate + 0.5 * h * acceleration);
       rate += h * acceleration;
     }
@@ -93,8 +95,8 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
   return late < 0.7 * early;  // a growing one ends at its limits
 }
 
-// The gain margin of the loop in continuous time is the factor by which the inertia may decrease
-// before the sampled law with its filters oscillates.
+// The gain margin of the loop in continuous time is the factor by which the vehicle may respond more
+// strongly before the sampled law with its filters oscillates.
 TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
   int compared = 0;
   for (const std::string name : {"quad-450", "crazyflie"}) {
@@ -111,7 +113,7 @@ TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
         if (!turn.whole.stable || !std::isfinite(turn.whole.gain_margin)) continue;
         ++compared;
         const auto holds = [&](double factor) {
-          return dies_out(vehicle, parameters, axis, turn.inertia / factor, turn.lag);
+          return dies_out(vehicle, parameters, axis, turn, factor);
         };
         // The differencing of D and the sampling of the filters reduce it: by 4 % at 400 and 800
         // Hz, by 19 % for the Crazyflie, whose D has a period of 2 ms and no filter.

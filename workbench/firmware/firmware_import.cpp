@@ -24,6 +24,7 @@ FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const Fir
   FirmwareTurn turn;
   turn.gains = loop;
   turn.inertia = vehicle.inertia.diagonal()(internal::body_axis(loop.axis));
+  turn.damping = turn_damping(vehicle, loop.axis);
   turn.delay = firmware_delay(firmware, vehicle, values);
   turn.lag = internal::rotor_lag(vehicle);
   const auto margins = [&](bool angle) {

@@ -6,6 +6,7 @@
 
 #include "firmware/loop_filters.hpp"
 #include "firmware/turn_parts.hpp"
+#include "quadtune/model/rigid_body.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 
 namespace quadtune {
@@ -61,20 +62,37 @@ Filters filters_of(const Firmware& firmware, const FirmwareLoop& loop,
   return result;
 }
 
+/// The speed of each rotor when all carry the same share of the weight [rad/s].
+VectorXd hover_speeds(const Vehicle& vehicle) {
+  const double share = vehicle.mass * vehicle.gravity / std::ssize(vehicle.rotors);
+  VectorXd speeds(std::ssize(vehicle.rotors));
+  for (Index i = 0; i < speeds.size(); ++i)
+    speeds(i) = rotor_speed_for_thrust(vehicle.rotors[static_cast<std::size_t>(i)], share);
+  return speeds;
+}
+
 /// Lead time of the torque about z relative to the rotors' speed [s]: the drag torque Q(w) and the
 /// reaction J_r w' to its change give (dQ/dw + J_r s) δw.
 double yaw_lead(const Vehicle& vehicle) {
+  const VectorXd speeds = hover_speeds(vehicle);
   double lead = 0;
-  for (const Rotor& rotor : vehicle.rotors) {
-    const double share = vehicle.mass * vehicle.gravity / std::ssize(vehicle.rotors);
-    const double w = rotor_speed_for_thrust(rotor, share);
-    lead +=
-        rotor.inertia / (2 * rotor.torque_d2 * w + rotor.torque_d1) / std::ssize(vehicle.rotors);
+  for (Index i = 0; i < speeds.size(); ++i) {
+    const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
+    lead += rotor.inertia / (2 * rotor.torque_d2 * speeds(i) + rotor.torque_d1) /
+            static_cast<double>(speeds.size());
   }
   return lead;
 }
 
 }  // namespace
+
+double turn_damping(const Vehicle& vehicle, CascadeAxis axis) {
+  RotorLoads<double> loads;
+  const Index k = internal::body_axis(axis);
+  add_airflow(RigidBody(vehicle), hover_speeds(vehicle), Eigen::Vector3d::Zero().eval(),
+              Eigen::Vector3d::Unit(k).eval(), loads);
+  return -loads.torque(k);
+}
 
 double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
                       const std::vector<Parameter>& values) {
@@ -122,7 +140,7 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
   const double J = vehicle.inertia.diagonal()(internal::body_axis(loop.axis));
   result.den = product(product(power_of_s(pi + k), f.error), product(f.gyroscope, f.derivative));
   result.den = product(product(result.den, f.output), f.target);
-  result.den = product(result.den, Eigen::Vector2d(J, 0));
+  result.den = product(result.den, Eigen::Vector2d(J, turn_damping(vehicle, loop.axis)));
   if (const double lag = internal::rotor_lag(vehicle); lag > 0)
     result.den = product(result.den, Eigen::Vector2d(lag, 1));
   result.delay = firmware_delay(firmware, vehicle, values);

@@ -34,4 +34,9 @@ namespace quadtune {
 /// Delay from a rotation to the torque that responds to it, without filters and motor lag [s].
 [[nodiscard]] double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
                                     const std::vector<Parameter>& values);
+
+/// The torque about a body axis that the air on the turning rotors opposes to a rotation, divided
+/// by its rate, at hover [N m s]. The air also links the rotation to the velocity of the body; this
+/// acts below the crossover of the loops and is left out.
+[[nodiscard]] double turn_damping(const Vehicle& vehicle, CascadeAxis axis);
 }  // namespace quadtune

@@ -20,6 +20,7 @@ namespace quadtune {
 struct FirmwareTurn {
   FirmwareLoop gains;  ///< of the parameters
   double inertia = 0;  ///< of the vehicle about this axis [kg m²]
+  double damping = 0;  ///< by the air on its rotors about this axis at hover [N m s]
   double delay = 0;    ///< sum of the delays of computation, hold, gyroscope and motor commands [s]
   double lag = 0;      ///< motor lag [s]
   LoopMargins rate;    ///< the loop of the rate alone
@@ -39,7 +40,8 @@ struct FirmwareImport {
 };
 
 /// The open loop of a rotation in continuous time: gyroscope and derivative filters, the delay and
-/// the motor lag as in the firmware's documentation. Theory: "Cascades of autopilots".
+/// the motor lag as in the firmware's documentation, and the inertia and the damping of the vehicle.
+/// Theory: "Cascades of autopilots".
 /// @param firmware  of the parameters
 /// @param vehicle   valid
 /// @param loop      one of firmware_loops(): roll, pitch or yaw
