@@ -106,7 +106,7 @@ bool px4_is_x(const Vehicle& vehicle) {
   for (const Rotor& rotor : vehicle.rotors) {
     const double x = rotor.position.x(), y = rotor.position.y();
     if (std::min(std::abs(x), std::abs(y)) < 0.1 * std::max(std::abs(x), std::abs(y))) return false;
-    ++quarters[static_cast<std::size_t>((x > 0 ? 0 : 2) + (y > 0 ? 0 : 1))];
+    ++quarters[(x > 0 ? 0U : 2U) + (y > 0 ? 0U : 1U)];
   }
   return quarters == std::array{1, 1, 1, 1};
 }

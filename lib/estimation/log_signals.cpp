@@ -149,6 +149,7 @@ FedSignals read_signals_by_name(const std::string& path, const FilterModel& mode
   const std::vector<LogGroup> groups = first_groups(path, options);
   if (internal::is_own_log(groups)) return read_own_log(path, model, signals, groups, options);
   std::vector<std::string> names;
+  names.reserve(signals.size());
   for (const Signal& signal : signals) names.push_back(signal.name);
   LogChannels log = read_log_channels(path, names, options);
   FedSignals result{{}, log.condition, log.epoch_s};
