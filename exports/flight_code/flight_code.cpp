@@ -29,7 +29,7 @@ constexpr int kFlightCodeVersion = 1;
 
 std::string name_of(const ExportContent& content) {
   const std::string& asked = content.flight_code.name;
-  const std::string name = asked.empty() ? flight_code_name(content.vehicle.name) : asked;
+  std::string name = asked.empty() ? flight_code_name(content.vehicle.name) : asked;
   require_flight_code_name(
       name, asked.empty() ? "flight code is named after the vehicle unless --name is given"
                           : "flight code");
@@ -325,6 +325,7 @@ namespace {
 
 std::string page_of_adapter(const ExportContent& content, const std::vector<std::string>& sources) {
   std::vector<std::string> objects;
+  objects.reserve(sources.size());
   for (const std::string& source : sources)
     objects.push_back(source.substr(0, source.size() - 2) + ".o");
   const std::string page = replaced(adapter_page(content.flight_code.adapter), "@SOURCES@",

@@ -37,6 +37,7 @@ void require_whole(const KalmanFilter& filter) {
 /// "x = (z [m], vz [m/s])"
 std::string vector_in_words(const char* name, const std::vector<Signal>& signals) {
   std::vector<std::string> words;
+  words.reserve(signals.size());
   for (const Signal& signal : signals)
     words.push_back(signal.unit.empty() ? signal.name
                                         : fmt::format("{} [{}]", signal.name, signal.unit));
@@ -125,6 +126,7 @@ void choose_kalman(const std::vector<KalmanFilter>& filters, SourceChoices& choi
   choices.sizes["KALMAN_INPUTS"] = sizes.inputs;
   choices.sizes["KALMAN_MEASUREMENTS"] = sizes.measurements;
   std::vector<std::string> lines;
+  lines.reserve(filters.size());
   for (const KalmanFilter& filter : filters)
     lines.push_back(fmt::format(
         "{} '{}', every {} s:\n *   {}\n *   {}\n *   {}", lines.size(), in_comment(filter.name),

@@ -93,7 +93,7 @@ std::string with_features(const std::string& text, const std::set<std::string>& 
 std::string program_source(const std::string& text, const SourceChoices& choices) {
   std::string result = with_features(text, choices.features);
   for (const auto& [size, value] : choices.sizes)
-    result = std::regex_replace(result, std::regex("(#define QT_" + size + " )\\d+"),
+    result = std::regex_replace(result, std::regex(fmt::format("(#define QT_{} )\\d+", size)),
                                 fmt::format("$01{}", value));
   result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT @PERIOD@");
   if (choices.double_precision) result = in_double(result);
@@ -104,7 +104,8 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   result = replaced(result, "\"program.h\"", "\"@NAME@.h\"");
   result = std::regex_replace(result, std::regex("\\bqt(_|`)"), "@NAME@$1");
   result = std::regex_replace(result, std::regex("\\bQT_"), "@UPPER_NAME@_");
-  for (const auto& [word, with] : choices.words) result = replaced(result, "@" + word + "@", with);
+  for (const auto& [word, with] : choices.words)
+    result = replaced(result, fmt::format("@{}@", word), with);
   result = replaced(result, "@PERIOD@", choices.period);
   result = replaced(result, "@UPPER_NAME@", upper_case(choices.name));
   return replaced(result, "@NAME@", choices.name);

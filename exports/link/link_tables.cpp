@@ -122,6 +122,7 @@ const LinkEntry& link_entry(LinkFirmware firmware, const std::string& name) {
                                   [&](const LinkEntry& entry) { return entry.name == name; });
   if (found != entries.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(entries.size());
   for (const LinkEntry& entry : entries) names.push_back(entry.name);
   const std::string what =
       name.empty() ? "is empty" : fmt::format("'{}' is not a command", internal::printable(name));

@@ -43,9 +43,8 @@ void set_memory(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt
   settings.K_lag.topLeftCorner(n, n) = W * memory.K_lag * W.transpose();
   settings.past = memory.past;
   settings.K_past.setZero(kMaxRotors, static_cast<Eigen::Index>(memory.past) * n);
-  for (int k = 0; k < memory.past; ++k)
-    settings.K_past.block(0, k * n, n, n) =
-        W * memory.K_past.middleCols(static_cast<Eigen::Index>(k) * n, n) * W.transpose();
+  for (Eigen::Index k = 0; k < memory.past; ++k)
+    settings.K_past.block(0, k * n, n, n) = W * memory.K_past.middleCols(k * n, n) * W.transpose();
 }
 
 }  // namespace

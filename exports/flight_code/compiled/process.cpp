@@ -139,8 +139,8 @@ int Process::finish(std::string& said) {
 bool has_program(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path != nullptr ? path : "/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (access((folder + "/" + name).c_str(), X_OK) == 0) return true;
+  for (std::string file; std::getline(folders, file, ':');)
+    if (access(file.append("/").append(name).c_str(), X_OK) == 0) return true;
   return false;
 }
 

@@ -106,7 +106,7 @@ Vector3<Pack<N>> ClosedLoop<N, R>::felt_at(double instant, const State& x) {
   if (pieces_.empty()) return plant_.specific_force(x);
   const RotorSpeeds<P> now = plant_.speeds;
   plant_.hold(piece_at(instant).speeds);
-  const Vector3<P> felt = plant_.specific_force(x);
+  Vector3<P> felt = plant_.specific_force(x);
   plant_.hold(now);
   return felt;
 }
