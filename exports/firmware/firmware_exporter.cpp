@@ -176,6 +176,10 @@ VerifyCheck compare(const CascadeGains& read, const CascadeGains& meant, const s
               fmt::format("{}: {} gives Kp {:.6g}, Ki {:.6g}, Kd {:.6g}, the manifest has {:.6g}, "
                           "{:.6g}, {:.6g}",
                           file, a.name, a.Kp, a.Ki, a.Kd, b.Kp, b.Ki, b.Kd)};
+    if (differ(a.rate_lead, b.rate_lead))
+      return {"parameters fly the manifest's cascade", false,
+              fmt::format("{}: {} gives the rate a lead of {:.6g} s, the manifest has {:.6g} s",
+                          file, a.name, a.rate_lead, b.rate_lead)};
   }
   return {"parameters fly the manifest's cascade", true,
           fmt::format("{}: Kp, Ki and Kd of every loop that the firmware has, to {:g}", file,

@@ -4,6 +4,7 @@
 
 #include "firmware/firmware_parts.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 
 namespace quadtune {
 namespace {
@@ -143,6 +144,8 @@ std::vector<FirmwareLoop> firmware_loops(const Firmware& firmware, const Vehicle
       add_crazyflie_loops(scale, value, loops);
       break;
   }
+  for (FirmwareLoop& loop : loops.all)
+    loop.derivative_filter = internal::derivative_time(firmware, loop.axis, value);
   return std::move(loops.all);
 }
 
@@ -159,6 +162,10 @@ CascadeGains cascade_of(const std::vector<FirmwareLoop>& loops, const CascadeGai
       loop.Kp = sign * one.Kp();
       loop.Ki = sign * one.Ki();
       loop.Kd = -sign * one.Kd();
+      if (one.derivative() > 0 && one.Kd() > 0) {
+        loop.rate_lead = one.derivative() / one.Kd();
+        loop.rate_filter = one.derivative_filter;
+      }
     } else {
       for (const PidLoop& own : pilot.loops)
         if (own.name == loop.name) loop = own;

@@ -22,13 +22,14 @@ using exports::kTurns;
 /// The gains of a loop without their signs: positive gains damp.
 struct Sizes {
   double Kp = 0, Ki = 0, Kd = 0;
+  double lead = 0;  ///< as PidLoop::rate_lead [s]
 };
 
 /// The same feedback as a gain on the error followed by a PI controller of the rate.
 struct Factored {
-  double outer = 0;  ///< [1/s]
-  double zero = 0;   ///< I over P of the PI controller [1/s]
-  double Kd = 0;
+  double outer = 0;     ///< [1/s]
+  double P = 0, I = 0;  ///< of the PI controller, times the scale of its output
+  double D = 0;         ///< on the derivative of the rate, likewise
 };
 
 class Writer {
@@ -46,7 +47,11 @@ class Writer {
     for (const PidLoop& loop : gains_.loops) {
       if (loop.name != to_string(axis)) continue;
       const double sign = cascade_sign(axis);
-      const Sizes sizes{sign * loop.Kp, sign * loop.Ki, -sign * loop.Kd};
+      const Sizes sizes{sign * loop.Kp, sign * loop.Ki, -sign * loop.Kd, loop.rate_lead};
+      if (!(sizes.lead >= 0 && std::isfinite(sizes.lead)))
+        throw InvalidInput(name_, fmt::format("the {} loop has rate_lead {} s, expected a finite "
+                                              "time of 0 or more",
+                                              loop.name, sizes.lead));
       if (!(std::isfinite(sizes.Kp) && std::isfinite(sizes.Ki) && std::isfinite(sizes.Kd)) ||
           !(sizes.Kp > 0) || !(sizes.Kd > 0) || !(sizes.Ki >= 0))
         throw InvalidInput(
@@ -62,7 +67,10 @@ class Writer {
                            internal::joined(cascade_axis_names(), ", ")));
   }
 
-  [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop) const {
+  /// @param of_error  D acts on the error of the rate, hence also on its set point: the loop has
+  ///                  P + outer D in place of P
+  [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop,
+                                  bool of_error = false) const {
     const double max = max_p_pi_integral(sizes.Kp, sizes.Kd);
     // The gains of a design may be exactly at the limit.
     if (sizes.Ki > max * (1 + 1e-9))
@@ -75,11 +83,13 @@ class Writer {
               loop, sizes.Kp, sizes.Ki, sizes.Kd, max));
     const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
     // The smaller zero is computed from the product, because the difference would cancel.
-    const double outer = (sizes.Kp + root) / (2 * sizes.Kd);
-    return {outer, sizes.Ki / (sizes.Kd * outer), sizes.Kd};
+    double outer = (sizes.Kp + root) / (2 * sizes.Kd);
+    if (of_error && sizes.lead > 0) outer = outer_of_error(sizes, outer, loop);
+    const double D = sizes.Kd * sizes.lead;
+    return {outer, sizes.Kd - (of_error ? outer * D : 0), sizes.Ki / outer, D};
   }
-  [[nodiscard]] Factored factored(CascadeAxis axis) const {
-    return factored(sizes(axis), to_string(axis));
+  [[nodiscard]] Factored factored(CascadeAxis axis, bool of_error = false) const {
+    return factored(sizes(axis), to_string(axis), of_error);
   }
 
   /// Gains that two loops must share: the geometric mean of both. It has the PI structure if both
@@ -87,7 +97,8 @@ class Writer {
   [[nodiscard]] Sizes shared(CascadeAxis a, CascadeAxis b) {
     const Sizes one = sizes(a), other = sizes(b);
     const auto mean = [](double p, double q) { return std::sqrt(p * q); };
-    const Sizes result{mean(one.Kp, other.Kp), mean(one.Ki, other.Ki), mean(one.Kd, other.Kd)};
+    const Sizes result{mean(one.Kp, other.Kp), mean(one.Ki, other.Ki), mean(one.Kd, other.Kd),
+                       mean(one.lead, other.lead)};
     const double change =
         std::max({std::abs(result.Kp / one.Kp - 1), std::abs(result.Kd / one.Kd - 1),
                   one.Ki > 0 ? std::abs(result.Ki / one.Ki - 1) : (other.Ki > 0 ? 1.0 : 0.0)});
@@ -150,6 +161,28 @@ class Writer {
   [[nodiscard]] FirmwareScale scale() const { return firmware_scale(firmware_, vehicle_, values_); }
 
  private:
+  /// The outer gain A if D acts on the error: lead A³ - A² + Kp/Kd A - Ki/Kd = 0, from
+  /// P = Kd - A D, Kp = P A + I and Ki = I A.
+  /// @param without  A if lead were 0, which is smaller
+  [[nodiscard]] double outer_of_error(const Sizes& sizes, double without,
+                                      const std::string& loop) const {
+    const double a = sizes.Kp / sizes.Kd, b = sizes.Ki / sizes.Kd, lead = sizes.lead;
+    const auto f = [&](double A) { return ((lead * A - 1) * A + a) * A - b; };
+    const double lowest = (1 + std::sqrt(std::max(0.0, 1 - 3 * lead * a))) / (3 * lead);
+    if (!(3 * lead * a < 1) || !(f(lowest) <= 0))
+      throw InvalidInput(
+          name_, fmt::format("the {} loop has rate_lead {:.6g} s, expected less than about {:.3g} "
+                             "s, because the firmware differentiates the error of the rate",
+                             loop, lead, 0.25 / a));
+    double low = without, high = std::max(lowest, without);
+    for (int i = 0; i < 200 && low < high; ++i) {
+      const double middle = low + 0.5 * (high - low);
+      if (middle == low || middle == high) break;
+      (f(middle) > 0 ? low : high) = middle;
+    }
+    return high;
+  }
+
   const Firmware& firmware_;
   const Vehicle& vehicle_;
   const CascadeGains& gains_;
@@ -184,11 +217,11 @@ void write_px4(Writer& w) {
   for (const exports::TurnWords& turn : kTurns) {
     const Factored loop = w.factored(turn.axis);
     const std::string rate = fmt::format("MC_{}RATE_", turn.px4);
-    const double P = loop.Kd / scale.torque[turn.index];
+    const double G = scale.torque[turn.index];
     w.set(fmt::format("MC_{}_P", turn.px4), loop.outer);
-    w.set(rate + "P", P);
-    w.set(rate + "I", P * loop.zero);
-    w.set(rate + "D", 0);
+    w.set(rate + "P", loop.P / G);
+    w.set(rate + "I", loop.I / G);
+    w.set(rate + "D", loop.D / G);
     w.set(rate + "FF", 0);
     w.set(rate + "K", 1);
   }
@@ -199,11 +232,10 @@ void write_px4(Writer& w) {
         "Hz)");
   }
   const auto velocity = [&](const Factored& loop, double of_output, const std::string& name) {
-    const double P = loop.Kd / of_output;
     w.set(name + "P", loop.outer);
-    w.set(name + "VEL_P_ACC", P);
-    w.set(name + "VEL_I_ACC", P * loop.zero);
-    w.set(name + "VEL_D_ACC", 0);
+    w.set(name + "VEL_P_ACC", loop.P / of_output);
+    w.set(name + "VEL_I_ACC", loop.I / of_output);
+    w.set(name + "VEL_D_ACC", loop.D / of_output);
   };
   velocity(w.factored(w.shared(CascadeAxis::x, CascadeAxis::y), "x and y"), 1 / kStandardGravity,
            "MPC_XY_");
@@ -241,13 +273,13 @@ void write_ardupilot(Writer& w) {
       "have "
       "32 ms more delay");
   for (const exports::TurnWords& turn : kTurns) {
-    const Factored loop = w.factored(turn.axis);
+    const Factored loop = w.factored(turn.axis, true);
     const std::string rate = fmt::format("ATC_RAT_{}_", turn.ardupilot);
-    const double P = loop.Kd / scale.torque[turn.index];
+    const double G = scale.torque[turn.index];
     w.set(fmt::format("ATC_ANG_{}_P", turn.ardupilot), loop.outer);
-    w.set(rate + "P", P);
-    w.set(rate + "I", P * loop.zero);
-    w.set(rate + "D", 0);
+    w.set(rate + "P", loop.P / G);
+    w.set(rate + "I", loop.I / G);
+    w.set(rate + "D", loop.D / G);
     w.set(rate + "FF", 0);
     w.set(rate + "FLTE", 0);
   }
@@ -257,15 +289,14 @@ void write_ardupilot(Writer& w) {
   const exports::ArdupilotNames names = exports::ardupilot_names(w.firmware());
   const auto velocity = [&](const Factored& loop, double of_output, const std::string& position,
                             const std::string& name) {
-    const double P = loop.Kd / of_output;
     w.set(position + "P", loop.outer);
-    w.set(name + "P", P);
-    w.set(name + "I", P * loop.zero);
-    w.set(name + "D", 0);
+    w.set(name + "P", loop.P / of_output);
+    w.set(name + "I", loop.I / of_output);
+    w.set(name + "D", loop.D / of_output);
   };
-  velocity(w.factored(w.shared(CascadeAxis::x, CascadeAxis::y), "x and y"), 1 / kStandardGravity,
-           names.horizontal_position, names.horizontal_velocity);
-  velocity(w.factored(CascadeAxis::altitude), scale.mass, names.vertical_position,
+  velocity(w.factored(w.shared(CascadeAxis::x, CascadeAxis::y), "x and y", true),
+           1 / kStandardGravity, names.horizontal_position, names.horizontal_velocity);
+  velocity(w.factored(CascadeAxis::altitude, true), scale.mass, names.vertical_position,
            names.vertical_velocity);
   // The project's own rule. In 4.7 and later, the gains are a tenth of the former ones.
   const double unit = exports::is_from(w.firmware(), "4.7") ? 0.1 : 1;
@@ -292,6 +323,7 @@ void write_betaflight(Writer& w) {
   for (const exports::TurnWords& turn : kTurns) {
     const double G = scale.torque[turn.index];
     const std::string axis = turn.small;
+    const double D = w.sizes(turn.axis).Kd * w.sizes(turn.axis).lead / (G * exports::kBetaflightD);
     if (turn.axis == CascadeAxis::yaw) {
       const Sizes yaw = w.sizes(turn.axis);
       w.set("p_yaw", yaw.Kd / (G * exports::kBetaflightP));
@@ -302,18 +334,17 @@ void write_betaflight(Writer& w) {
                       yaw.Ki));
     } else {
       const Factored& loop = turn.axis == CascadeAxis::roll ? roll : pitch;
-      w.set("p_" + axis, loop.Kd / (G * exports::kBetaflightP));
-      w.set("i_" + axis, loop.Kd * loop.zero / (G * exports::kBetaflightI));
+      w.set("p_" + axis, loop.P / (G * exports::kBetaflightP));
+      w.set("i_" + axis, loop.I / (G * exports::kBetaflightI));
     }
-    w.set("d_" + axis, 0);
+    w.set("d_" + axis, D);
     w.set("f_" + axis, 0);
     w.set((renamed ? "d_max_" : "d_min_") + axis, 0);
   }
   w.set("tpa_rate", 0);
   w.set("anti_gravity_gain", 0);
   w.note(
-      "f_*, d_*, d_min_* or d_max_*, tpa_rate and anti_gravity_gain are 0 in profile 0, as the "
-      "design "
+      "f_*, d_min_* or d_max_*, tpa_rate and anti_gravity_gain are 0 in profile 0, as the design "
       "has no such terms: they count in acro mode as well");
   w.note("x, y and altitude are the pilot's: the firmware has no such loops");
 }
@@ -330,7 +361,7 @@ void write_crazyflie(Writer& w) {
     w.set(outer + forward, 0);
     w.set(inner + k + "p", loop.Kd / of_output);
     w.set(inner + k + "i", 0);
-    w.set(inner + k + "d", 0);
+    w.set(inner + k + "d", loop.Kd * loop.lead / of_output);
     w.set(inner + (k == "K" ? "KFF" : "kff"), 0);
   };
   for (const exports::TurnWords& turn : kTurns)

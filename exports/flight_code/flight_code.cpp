@@ -132,6 +132,7 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
     c.sizes["MOMENTS"] = s.mambo->aligned_periods;
   }
   feature(s.cascade(), "CASCADE");
+  feature(s.rate_lead(), "RATE_LEAD");
   feature(s.motor.law == CommandLaw::speed_squared, "SQUARED_COMMANDS");
   feature(s.motor.quantum > 0, "QUANTUM");
   c.sizes["ROTORS"] = s.allocation.rotors;

@@ -25,6 +25,8 @@ template <class T>
     t.Ki = T(s.Ki);
     t.Kd = T(s.Kd);
     t.Tf = T(s.Tf);
+    t.rate_lead = T(s.rate_lead);
+    t.rate_share = T(s.rate_share);
     t.b = T(s.b);
     t.c = T(s.c);
     t.method = s.method;

@@ -244,7 +244,8 @@ void write_estimator(Structure& c, const UquadProgram& program) {
   c.close();
 }
 
-void write_loop(Structure& c, const std::string& name, const PidSettings<double>& loop) {
+void write_loop(Structure& c, const std::string& name, const PidSettings<double>& loop,
+                bool has_lead) {
   const PidQuadrature<double> weight = pid_quadrature<double>(loop.method);
   c.open(name);
   c.period("dt", loop.dt);
@@ -259,6 +260,10 @@ void write_loop(Structure& c, const std::string& name, const PidSettings<double>
   c.number("integral_min", loop.integral_min);
   c.number("integral_max", loop.integral_max);
   c.number("back_calculation", loop.back_calculation);
+  if (has_lead) {
+    c.number("rate_lead", loop.rate_lead);
+    c.number("rate_share", loop.rate_share);
+  }
   c.close();
 }
 
@@ -266,7 +271,7 @@ void write_law(Structure& c, const CascadedPidSettings<double>& law) {
   c.open("law");
   for (const CascadeAxis axis : {CascadeAxis::x, CascadeAxis::y, CascadeAxis::roll,
                                  CascadeAxis::pitch, CascadeAxis::yaw, CascadeAxis::altitude})
-    write_loop(c, to_string(axis), law.loops[index_of(axis)]);
+    write_loop(c, to_string(axis), law.loops[index_of(axis)], has_rate_lead(law));
   c.number("attitude_limit", law.attitude_limit);
   c.number("weight", law.weight);
   c.number("take_off_thrust", law.take_off_thrust);

@@ -42,6 +42,9 @@ struct ProgramSettings {
   [[nodiscard]] bool cascade() const {
     return std::holds_alternative<CascadedPidSettings<double>>(law);
   }
+  [[nodiscard]] bool rate_lead() const {
+    return cascade() && has_rate_lead(std::get<CascadedPidSettings<double>>(law));
+  }
   [[nodiscard]] const StateFeedbackSettings<double>& feedback() const {
     return std::get<StateFeedbackSettings<double>>(law);
   }

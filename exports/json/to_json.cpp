@@ -276,6 +276,8 @@ Json vehicle_to_json(const Vehicle& vehicle) {
       table["Kp"] = number_to_json(loop.Kp, loop.name);
       add_unless(0, table, "Ki", loop.Ki);
       add_unless(0, table, "Kd", loop.Kd);
+      add_unless(0, table, "rate_lead_s", loop.rate_lead);
+      add_unless(0, table, "rate_filter_s", loop.rate_filter);
     }
   }
   return json;
@@ -308,6 +310,9 @@ Json cascade_to_json(const CascadeDesign& cascade) {
                              {"Kp", gain("Kp", loop.Kp)},
                              {"Ki", gain("Ki", loop.Ki)},
                              {"Kd", gain("Kd", loop.Kd)}});
+    if (loop.rate_lead == 0) continue;
+    json["loops"].back()["rate_lead_s"] = gain("rate_lead_s", loop.rate_lead);
+    json["loops"].back()["rate_filter_s"] = gain("rate_filter_s", loop.rate_filter);
   }
   return json;
 }
@@ -361,6 +366,14 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where, int 
     for (const auto& [key, gain] : {std::pair("Kp", &PidLoop::Kp), std::pair("Ki", &PidLoop::Ki),
                                     std::pair("Kd", &PidLoop::Kd)})
       loop.*gain = internal::number_from_json(member(loops[i], key, here), here + "." + key);
+    for (const auto& [key, time] : {std::pair("rate_lead_s", &PidLoop::rate_lead),
+                                    std::pair("rate_filter_s", &PidLoop::rate_filter)}) {
+      if (!loops[i].contains(key)) continue;
+      loop.*time = internal::number_from_json(loops[i][key], here + "." + key);
+      if (loop.*time < 0)
+        throw InvalidInput(here + "." + key,
+                           fmt::format("is {} s, expected 0 or more", loop.*time));
+    }
   }
   for (const CascadeAxis axis : kAllCascadeAxes)
     if (!came[index_of(axis)])

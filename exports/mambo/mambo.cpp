@@ -223,6 +223,11 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
                          fmt::format("the loop is called '{}'; expected a name of letters and "
                                      "digits, because it becomes a variable",
                                      loop.name));
+    if (loop.rate_lead != 0)
+      throw InvalidInput("mambo", fmt::format("the loop '{}' acts on the derivative of the rate, "
+                                              "which the model project does not; expected "
+                                              "rate_lead 0",
+                                              loop.name));
     const std::string prefix = "Controller.Cascade." + loop.name;
     m.number(prefix + ".Kp", loop.Kp, loop.unit + ", to " + loop.output);
     m.number(prefix + ".Ki", loop.Ki);

@@ -185,6 +185,8 @@ GainsDiff diff(const CascadeDesign& a, const CascadeDesign& b) {
     compare("Kp", name, x.Kp, y.Kp, result);
     compare("Ki", name, x.Ki, y.Ki, result);
     compare("Kd", name, x.Kd, y.Kd, result);
+    compare("rate_lead_s", name, x.rate_lead, y.rate_lead, result);
+    compare("rate_filter_s", name, x.rate_filter, y.rate_filter, result);
   }
   sort_entries(result);
   return result;

@@ -47,40 +47,59 @@ std::array<PidLoop, 6> in_order(const CascadeGains& gains) {
       throw InvalidInput("cascade law", fmt::format("loop '{}' has gains {}, {}, {}, expected "
                                                     "finite numbers",
                                                     loop.name, loop.Kp, loop.Ki, loop.Kd));
+    if (!(loop.rate_lead >= 0 && std::isfinite(loop.rate_lead)) ||
+        !(loop.rate_filter >= 0 && std::isfinite(loop.rate_filter)))
+      throw InvalidInput("cascade law",
+                         fmt::format("loop '{}' has rate_lead {} s and rate_filter {} s, expected "
+                                     "finite times of 0 or more",
+                                     loop.name, loop.rate_lead, loop.rate_filter));
     loops[k] = loop;
   }
   return loops;
 }
 
-/// Expresses signals as rows over [integrals; inputs] until all loops are processed.
+/// Expresses signals as rows over [integrals; low passes; inputs] until all loops are processed.
 ///
 /// @param rate_of_integral  factor of Ki · error in the integral's equation: dt sampled, 1
 ///                          continuous
 /// @param at_once           fraction of Ki · error that the integral adds in the same instant
+/// @param dt                sampled period [s]; 0: continuous
 template <class Lti>
-Lti assemble(const CascadeGains& gains, double rate_of_integral, double at_once, bool sampled) {
+Lti assemble(const CascadeGains& gains, double rate_of_integral, double at_once, double dt) {
   const std::array<PidLoop, 6> loops = in_order(gains);
-  Index integrals = 0;
-  for (const PidLoop& loop : loops) integrals += loop.Ki != 0 ? 1 : 0;
+  Index integrals = 0, low_passes = 0;
+  for (const PidLoop& loop : loops) {
+    integrals += loop.Ki != 0 ? 1 : 0;
+    low_passes += loop.rate_lead != 0 ? 1 : 0;
+  }
+  const bool sampled = dt > 0;
   const Index inputs = kCascadeSetPoints + 12;
-  const Index width = integrals + inputs;
+  const Index memory = integrals + low_passes, width = memory + inputs;
   const auto unit = [&](Index column) {
     RowVectorXd row = RowVectorXd::Zero(width);
     row(column) = 1;
     return row;
   };
-  const auto state = [&](Index k) { return unit(integrals + kCascadeSetPoints + k); };
-  MatrixXd dynamics = MatrixXd::Zero(integrals, width);
-  Index next = 0;
+  const auto state = [&](Index k) { return unit(memory + kCascadeSetPoints + k); };
+  MatrixXd dynamics = MatrixXd::Zero(memory, width);
+  Index next = 0, next_low_pass = integrals;
   std::array<RowVectorXd, 6> output;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const PidLoop& loop = loops[k];
     const LoopSignals& signals = kLoops[k];
     /// x commands pitch, y roll.
-    RowVectorXd error = signals.set_point >= 0 ? unit(integrals + signals.set_point)
+    RowVectorXd error = signals.set_point >= 0 ? unit(memory + signals.set_point)
                                                : output[signals.name == "pitch" ? 0 : 1];
     error -= state(signals.value);
-    output[k] = (loop.Kp + loop.Ki * at_once) * error + loop.Kd * state(signals.rate);
+    RowVectorXd rate = state(signals.rate);
+    if (loop.rate_lead != 0) {
+      // rate' = (rate - low pass)/(Tf + dt); the low pass follows with this slope.
+      const RowVectorXd slope = (rate - unit(next_low_pass)) / (loop.rate_filter + dt);
+      rate += loop.rate_lead * slope;
+      dynamics.row(next_low_pass) = sampled ? RowVectorXd(unit(next_low_pass) + dt * slope) : slope;
+      ++next_low_pass;
+    }
+    output[k] = (loop.Kp + loop.Ki * at_once) * error + loop.Kd * rate;
     if (loop.Ki == 0) continue;
     output[k] += unit(next);
     dynamics.row(next) = loop.Ki * rate_of_integral * error;
@@ -90,12 +109,14 @@ Lti assemble(const CascadeGains& gains, double rate_of_integral, double at_once,
   MatrixXd wrench(4, width);
   wrench << -output[5], output[3], output[2], output[4];
   Lti law;
-  law.A = dynamics.leftCols(integrals);
+  law.A = dynamics.leftCols(memory);
   law.B = dynamics.rightCols(inputs);
-  law.C = wrench.leftCols(integrals);
+  law.C = wrench.leftCols(memory);
   law.D = wrench.rightCols(inputs);
   for (const PidLoop& loop : loops)
     if (loop.Ki != 0) law.states.push_back({"int_" + loop.name, ""});
+  for (const PidLoop& loop : loops)
+    if (loop.rate_lead != 0) law.states.push_back({"rate_" + loop.name, ""});
   law.inputs = {{"x_sp", "m"}, {"y_sp", "m"}, {"z_sp", "m"}, {"yaw_sp", "rad"}};
   for (const Signal& signal : ned_convention().states) law.inputs.push_back(signal);
   law.outputs = ned_convention().wrench;
@@ -176,14 +197,20 @@ DiscreteLti cascade_law(const CascadeGains& gains, PidMethod method) {
   if (!(gains.dt > 0) || !std::isfinite(gains.dt))
     throw InvalidInput("cascade law",
                        fmt::format("dt is {} s, expected a positive period", gains.dt));
-  auto law =
-      assemble<DiscreteLti>(gains, gains.dt, pid_quadrature<double>(method).now * gains.dt, true);
+  auto law = assemble<DiscreteLti>(gains, gains.dt, pid_quadrature<double>(method).now * gains.dt,
+                                   gains.dt);
   law.dt = gains.dt;
   return law;
 }
 
 ContinuousLti cascade_law(const CascadeGains& gains) {
-  return assemble<ContinuousLti>(gains, 1, 0, false);
+  for (const PidLoop& loop : gains.loops)
+    if (loop.rate_lead > 0 && loop.rate_filter == 0)
+      throw InvalidInput("cascade law",
+                         fmt::format("loop '{}' differentiates the rate without a filter, expected "
+                                     "rate_filter > 0 in continuous time",
+                                     loop.name));
+  return assemble<ContinuousLti>(gains, 1, 0, 0);
 }
 
 DiscreteLti cut_at_inputs(const DiscreteLti& plant, const DiscreteLti& law, int set_points) {

@@ -41,10 +41,12 @@ CascadeGains read_cascade_gains(const TomlTable& table) {
   for (const CascadeAxis axis : kAllCascadeAxes) {
     PidLoop loop = cascade_loop(axis);
     const TomlTable numbers = table.table(loop.name);
-    numbers.allow({{"Kp"}, {"Ki"}, {"Kd"}});
+    numbers.allow({{"Kp"}, {"Ki"}, {"Kd"}, {"rate_lead", "s"}, {"rate_filter", "s"}});
     loop.Kp = numbers.number("Kp");
     loop.Ki = numbers.number_or("Ki", 0);
     loop.Kd = numbers.number_or("Kd", 0);
+    loop.rate_lead = numbers.number_or("rate_lead_s", 0, Range::not_negative());
+    loop.rate_filter = numbers.number_or("rate_filter_s", 0, Range::not_negative());
     gains.loops.push_back(std::move(loop));
   }
   return gains;

@@ -12,7 +12,8 @@ namespace quadtune::internal {
 /// The keys of a table that read_cascade_gains() reads.
 [[nodiscard]] std::vector<TomlKey> cascade_gain_keys();
 
-/// Reads dt_s and all six tables x, y, pitch, roll, yaw, altitude with Kp, Ki and Kd.
+/// Reads dt_s and all six tables x, y, pitch, roll, yaw, altitude with Kp, Ki, Kd,
+/// rate_lead_s and rate_filter_s.
 [[nodiscard]] CascadeGains read_cascade_gains(const TomlTable& table);
 
 /// Reads the requirements on a cascade: the keys of [cascade.design] in docs/formats.md.

@@ -59,6 +59,11 @@ void validate_pid(const PidSettings<Scalar>& settings, const std::string& where)
   require_finite(settings.Ki, "Ki", where);
   require_finite(settings.Kd, "Kd", where);
   require_finite(settings.Tf, "Tf", where);
+  if (!(settings.rate_lead >= 0) || !std::isfinite(settings.rate_lead) ||
+      !(settings.rate_share >= 0 && settings.rate_share <= 1))
+    throw InvalidInput(where, fmt::format("rate_lead is {} and rate_share {}, expected a finite "
+                                          "number of 0 or more and a share of 0 to 1",
+                                          settings.rate_lead, settings.rate_share));
   require_finite(settings.b, "b", where);
   require_finite(settings.c, "c", where);
   require_ordered(settings.output_min, settings.output_max, "output", where);
@@ -110,7 +115,16 @@ PidSettings<double> pid_settings(const PidLoop& loop, double dt) {
   settings.Kp = loop.Kp;
   settings.Ki = loop.Ki;
   settings.Kd = -loop.Kd;
-  validate(settings, "loop " + loop.name);
+  const std::string where = "loop " + loop.name;
+  if (!(loop.rate_lead >= 0) || !(loop.rate_filter >= 0) || !std::isfinite(loop.rate_filter))
+    throw InvalidInput(where, fmt::format("rate_lead is {} s and rate_filter {} s, expected finite "
+                                          "times of 0 or more",
+                                          loop.rate_lead, loop.rate_filter));
+  if (loop.rate_lead > 0) {
+    settings.rate_lead = loop.rate_lead / (loop.rate_filter + dt);
+    settings.rate_share = dt / (loop.rate_filter + dt);
+  }
+  validate(settings, where);
   return settings;
 }
 
@@ -128,7 +142,12 @@ DiscreteTransferFunction pid_transfer_function(const PidSettings<double>& settin
       break;
   }
   const bool measured = settings.derivative == PidDerivative::measured_rate;
-  return combine(settings, measured ? -settings.Kd : 0, 0, 0);
+  DiscreteTransferFunction result = combine(settings, measured ? -settings.Kd : 0, 0, 0);
+  if (!measured || settings.rate_lead == 0) return result;
+  // -Kd (1 + lead (z - 1)/(z - 1 + share))
+  result.den = Eigen::Vector2d(1, settings.rate_share - 1);
+  result.num = -settings.Kd * (result.den + settings.rate_lead * Eigen::Vector2d(1, -1));
+  return result;
 }
 
 }  // namespace quadtune

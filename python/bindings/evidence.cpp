@@ -141,13 +141,16 @@ void add_gains(py::module_& module) {
           "\"set-point-minus-state\" or \"state-minus-set-point\".")
       .def_readonly("dt", &Gains::dt, "Sample period [s]; 0 of a continuous law.");
   py::class_<PidLoop>(module, "PidLoop",
-                      "output = Kp error + Ki integral(error) + Kd measured rate")
+                      "output = Kp error + Ki integral(error) + Kd (rate + rate_lead rate')")
       .def_readonly("name", &PidLoop::name, "\"x\", \"y\", \"pitch\", \"roll\", \"yaw\", ...")
       .def_readonly("output", &PidLoop::output, "What the loop commands.")
       .def_readonly("unit", &PidLoop::unit, "Of the output per unit of the error.")
       .def_readonly("Kp", &PidLoop::Kp, "Proportional gain.")
       .def_readonly("Ki", &PidLoop::Ki, "Integral gain.")
       .def_readonly("Kd", &PidLoop::Kd, "Derivative gain, with its own sign.")
+      .def_readonly("rate_lead", &PidLoop::rate_lead, "Lead time of the rate [s]; 0: none.")
+      .def_readonly("rate_filter", &PidLoop::rate_filter,
+                    "Time constant of the low pass of the rate's derivative [s].")
       .def("__repr__", [](const PidLoop& loop) {
         return fmt::format("<PidLoop {} Kp={} Ki={} Kd={}>", loop.name, loop.Kp, loop.Ki, loop.Kd);
       });

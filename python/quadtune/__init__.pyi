@@ -1244,7 +1244,7 @@ class PidAlone:
         """How the gains were computed, in words."""
 
 class PidLoop:
-    """output = Kp error + Ki integral(error) + Kd measured rate"""
+    """output = Kp error + Ki integral(error) + Kd (rate + rate_lead rate')"""
 
     @property
     def name(self) -> str:
@@ -1264,6 +1264,12 @@ class PidLoop:
     @property
     def Kd(self) -> float:
         """Derivative gain, with its own sign."""
+    @property
+    def rate_lead(self) -> float:
+        """Lead time of the rate [s]; 0: none."""
+    @property
+    def rate_filter(self) -> float:
+        """Time constant of the low pass of the rate's derivative [s]."""
 
 class PolePlacement:
     """The gain of u = -K x with given poles, with its evidence."""

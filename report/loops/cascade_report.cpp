@@ -54,8 +54,13 @@ const PidLoop& as_published(const CascadeReport& report, CascadeAxis axis) {
 }
 
 Json gains_json(const PidLoop& loop) {
-  return {{"name", loop.name}, {"output", loop.output}, {"unit", loop.unit},
-          {"Kp", loop.Kp},     {"Ki", loop.Ki},         {"Kd", loop.Kd}};
+  Json json = {{"name", loop.name}, {"output", loop.output}, {"unit", loop.unit},
+               {"Kp", loop.Kp},     {"Ki", loop.Ki},         {"Kd", loop.Kd}};
+  if (loop.rate_lead != 0) {
+    json["rate_lead_s"] = loop.rate_lead;
+    json["rate_filter_s"] = loop.rate_filter;
+  }
+  return json;
 }
 
 Json loops_json(const CascadeReport& report) {
@@ -81,19 +86,24 @@ std::string loops_text(const CascadeReport& report) {
     const std::string& output = row["output"].text();
     row["output"] = output.substr(0, output.find(","));
   }
-  return table(rows, {{"name", "loop"},
-                      {"Kp", "Kp", "", ".4g"},
-                      {"Ki", "Ki", "", ".4g"},
-                      {"Kd", "Kd", "", ".4g"},
-                      {"output", "to"},
-                      {"rate_crossover", "rate", "[rad/s]", ".3g"},
-                      {"bandwidth", "value", "[rad/s]", ".3g"},
-                      {"gain_margin_db", "gain", "[dB]", ".1f"},
-                      {"phase_margin_deg", "phase", "[deg]", ".1f"},
-                      {"delay_margin_s", "delay", "[ms]", ".1f", 1e3},
-                      {"Ms", "Ms", "", ".3f"},
-                      {"tracking_peak", "set point", "peak", ".2f"},
-                      {.key = "stable", .no = "UNSTABLE"}});
+  std::vector<Column> columns = {{"name", "loop"},
+                                 {"Kp", "Kp", "", ".4g"},
+                                 {"Ki", "Ki", "", ".4g"},
+                                 {"Kd", "Kd", "", ".4g"},
+                                 {"output", "to"},
+                                 {"rate_crossover", "rate", "[rad/s]", ".3g"},
+                                 {"bandwidth", "value", "[rad/s]", ".3g"},
+                                 {"gain_margin_db", "gain", "[dB]", ".1f"},
+                                 {"phase_margin_deg", "phase", "[deg]", ".1f"},
+                                 {"delay_margin_s", "delay", "[ms]", ".1f", 1e3},
+                                 {"Ms", "Ms", "", ".3f"},
+                                 {"tracking_peak", "set point", "peak", ".2f"},
+                                 {.key = "stable", .no = "UNSTABLE"}};
+  const std::vector<PidLoop>& loops = report.cascade.gains.loops;
+  if (std::any_of(loops.begin(), loops.end(),
+                  [](const PidLoop& loop) { return loop.rate_lead != 0; }))
+    columns.insert(columns.begin() + 4, {"rate_lead_s", "lead", "[ms]", ".1f", 1e3});
+  return table(rows, columns);
 }
 
 std::string bound_text(const CascadeReport& report) {

@@ -10,11 +10,13 @@
 
 #include "lyapunov/eigenvalues.hpp"
 #include "quadtune/control/cascade_law.hpp"
+#include "quadtune/control/pid.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/joined.hpp"
+#include "quadtune/synthesis/flown_axis.hpp"
 
 namespace quadtune {
 namespace {
@@ -77,10 +79,33 @@ CascadePlant as_loop(const DiscreteLti& sampled, Index value, double sign) {
   return plant;
 }
 
+/// The gains of a loop in its own sign, and the lead of its rate as in PidSettings.
+struct OwnLoop {
+  PidGains gains;
+  double rate_lead = 0, rate_share = 0;
+};
+
+/// The plant whose rate has the lead of the loop; its first states are those of the plant.
+CascadePlant with_lead(const CascadePlant& plant, const OwnLoop& loop) {
+  if (loop.rate_lead == 0) return plant;
+  PeriodicLti part;
+  part.dt = plant.dt;
+  part.A = {plant.A};
+  part.B = {plant.B};
+  part.C = plant.C;
+  part = with_rate_lead(part, 1, loop.rate_lead, loop.rate_share);
+  CascadePlant result = plant;
+  result.A = part.A.front();
+  result.B = part.B.front();
+  result.C = part.C;
+  result.states.clear();
+  return result;
+}
+
 /// A vehicle with its sampling and delays, split into the plants of the loops.
-class Hover {
+class LoopPlants {
  public:
-  Hover(const CascadeVehicle& vehicle, const CascadeSpecification& specification)
+  LoopPlants(const CascadeVehicle& vehicle, const CascadeSpecification& specification)
       : model_(vehicle.hover),
         lag_(specification.lag.value_or(vehicle.lag)),
         specification_(specification) {
@@ -102,14 +127,14 @@ class Hover {
   }
 
   /// The plant of a loop.
-  /// @param inner  gains of its inner loop, in the sign of that loop; not used for an inner loop
-  [[nodiscard]] CascadePlant plant(CascadeAxis name, const PidGains& inner) const {
+  /// @param inner  its inner loop; not used for an inner loop
+  [[nodiscard]] CascadePlant plant(CascadeAxis name, const OwnLoop& inner) const {
     const AxisFacts& axis = facts(name);
     const DiscreteLti sampled = sampled_chain(axis);
     if (!axis.inside) return as_loop(sampled, 0, sign(name));
     const double inner_sign = sign(*axis.inside);
-    CascadePlant closed =
-        closed_at_command(as_loop(sampled, 2, inner_sign), inner, specification_.method);
+    CascadePlant closed = closed_at_command(with_lead(as_loop(sampled, 2, inner_sign), inner),
+                                            inner.gains, specification_.method);
     // The set point of the inner loop has its sign; the first states are those of the chain.
     closed.B *= inner_sign;
     closed.C.setZero();
@@ -161,10 +186,14 @@ class Hover {
   const CascadeSpecification& specification_;
 };
 
-std::optional<PidGains> in_own_sign(const CascadeGains& gains, CascadeAxis axis, double sign) {
+std::optional<OwnLoop> in_own_sign(const CascadeGains& gains, CascadeAxis axis, double sign) {
   for (const PidLoop& loop : gains.loops)
-    if (loop.name == to_string(axis))
-      return PidGains{sign * loop.Kp, sign * loop.Ki, -sign * loop.Kd, 0};
+    if (loop.name == to_string(axis)) {
+      const PidSettings<double> settings = pid_settings(loop, gains.dt);
+      return OwnLoop{{sign * loop.Kp, sign * loop.Ki, -sign * loop.Kd, 0},
+                     settings.rate_lead,
+                     settings.rate_share};
+    }
   return {};
 }
 
@@ -230,10 +259,10 @@ struct GivenLoop {
   CascadeLoopEvidence evidence;
 };
 
-std::optional<GivenLoop> given_loop(const Hover& hover, const CascadeGains& gains, PidMethod method,
-                                    CascadeAxis axis) {
+std::optional<GivenLoop> given_loop(const LoopPlants& hover, const CascadeGains& gains,
+                                    PidMethod method, CascadeAxis axis) {
   const std::optional<CascadeAxis> inside = facts(axis).inside;
-  PidGains inner;
+  OwnLoop inner;
   if (inside) {
     const auto found = in_own_sign(gains, *inside, hover.sign(*inside));
     if (!found) return {};
@@ -241,10 +270,11 @@ std::optional<GivenLoop> given_loop(const Hover& hover, const CascadeGains& gain
   }
   const auto found = in_own_sign(gains, axis, hover.sign(axis));
   if (!found) return {};
-  return GivenLoop{*found, cascade_loop_evidence(hover.plant(axis, inner), *found, method)};
+  const CascadePlant plant = with_lead(hover.plant(axis, inner), *found);
+  return GivenLoop{found->gains, cascade_loop_evidence(plant, found->gains, method)};
 }
 
-void add_published(const Hover& hover, const CascadeGains& published, PidMethod method,
+void add_published(const LoopPlants& hover, const CascadeGains& published, PidMethod method,
                    CascadeAxisDesign& loop) {
   const std::optional<GivenLoop> given = given_loop(hover, published, method, loop.axis);
   if (!given) return;
@@ -254,7 +284,7 @@ void add_published(const Hover& hover, const CascadeGains& published, PidMethod 
 
 /// Designs one loop.
 /// @param inner  its inner loop; nullptr for an inner loop
-CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
+CascadeAxisDesign design_axis(const LoopPlants& hover, const CascadeVehicle& vehicle,
                               const CascadeSpecification& specification, CascadeAxis axis,
                               const CascadeLoopDesign* inner) {
   // The zero-order hold has a phase lag of nine degrees at a twentieth of the sample rate.
@@ -269,7 +299,7 @@ CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
                 inner ? inner->evidence.bandwidth / kSeparation : by_clock,
                 max_gain(axis, vehicle.authority), measured ? &loop.published_evidence : nullptr);
   loop.bounds.p_pi = specification.structure == CascadeStructure::p_pi;
-  loop.design = design_cascade_loop(hover.plant(axis, inner ? inner->gains : PidGains{}),
+  loop.design = design_cascade_loop(hover.plant(axis, inner ? OwnLoop{inner->gains} : OwnLoop{}),
                                     loop.bounds, specification.method);
   if (std::isinf(loop.bounds.rate_noise_max))  // not bounded by a published loop
     std::replace(loop.design.binding.begin(), loop.design.binding.end(), std::string("value noise"),
@@ -330,11 +360,11 @@ ContinuousLti with_actuator_lag(const ContinuousLti& plant, double lag) {
 
 DiscreteLti sampled_hover(const CascadeVehicle& vehicle,
                           const CascadeSpecification& specification) {
-  return Hover(vehicle, specification).whole();
+  return LoopPlants(vehicle, specification).whole();
 }
 
 PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification& specification) {
-  const Hover hover(vehicle, specification);
+  const LoopPlants hover(vehicle, specification);
   PidCascade cascade;
   cascade.plant = hover.whole();
   note_coupling(vehicle.hover, cascade.notes);
@@ -367,7 +397,7 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
 
 PidCascade assess_cascade(const CascadeVehicle& vehicle, const CascadeSpecification& specification,
                           const CascadeGains& gains) {
-  const Hover hover(vehicle, specification);
+  const LoopPlants hover(vehicle, specification);
   PidCascade cascade;
   cascade.plant = hover.whole();
   cascade.gains = gains;

@@ -5,6 +5,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "quadtune/errors.hpp"
@@ -87,6 +88,31 @@ PeriodicLti with_tilt_integral(const PeriodicLti& plant, double rate) {
     result.states.push_back({"integral of the tilt loop", ""});
     result.states.push_back({"filter of the tilt's rate", ""});
   }
+  return result;
+}
+
+PeriodicLti with_rate_lead(const PeriodicLti& plant, Index rate, double gain, double share) {
+  validate(plant, kWhere);
+  if (rate < 0 || rate >= plant.C.rows())
+    throw InvalidInput(
+        kWhere, fmt::format("the rate is output {}, expected 0 to {}", rate, plant.C.rows() - 1));
+  if (!(gain >= 0) || !std::isfinite(gain) || !(share > 0 && share <= 1))
+    throw InvalidInput(kWhere, fmt::format("the lead has the gain {} and the share {}, expected a "
+                                           "finite gain of 0 or more and a share up to 1",
+                                           gain, share));
+  const Index nx = plant.A.front().rows();
+  const Eigen::RowVectorXd measured = plant.C.row(rate);
+  PeriodicLti result = plant;
+  for (std::size_t k = 0; k < plant.period(); ++k) {
+    result.A[k].conservativeResizeLike(MatrixXd::Zero(nx + 1, nx + 1));
+    result.A[k].row(nx).head(nx) = share * measured;
+    result.A[k](nx, nx) = 1 - share;
+    result.B[k].conservativeResizeLike(MatrixXd::Zero(nx + 1, plant.B[k].cols()));
+  }
+  result.C.conservativeResizeLike(MatrixXd::Zero(plant.C.rows(), nx + 1));
+  result.C.row(rate).head(nx) = (1 + gain) * measured;
+  result.C(rate, nx) = -gain;
+  if (!plant.states.empty()) result.states.push_back({"low pass of the rate", ""});
   return result;
 }
 

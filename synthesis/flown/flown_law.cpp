@@ -99,7 +99,11 @@ DiscreteLti flown_law(const CascadeGains& gains, PidMethod method) {
   law.B = law.B.rightCols(12).eval();
   law.D = law.D.rightCols(12).eval();
   law.inputs = ned_convention().states;
-  for (Signal& state : law.states) state.name = "integral of " + state.name.substr(4);
+  for (Signal& state : law.states) {
+    const bool integral = state.name.starts_with("int_");
+    state.name = (integral ? "integral of " : "low pass of the rate of ") +
+                 state.name.substr(state.name.find('_') + 1);
+  }
   return law;
 }
 

@@ -127,6 +127,9 @@ TEST(Diff, ComparesCascades) {
   EXPECT_EQ(name_of(difference.entries[2]), "Kp(roll)");
   EXPECT_DOUBLE_EQ(difference.entries[2].relative, 0.2);
   b = a;
+  b.gains.loops[3].rate_lead = 0.02;
+  EXPECT_EQ(name_of(diff(a, b).entries.at(0)), "rate_lead_s(roll)");
+  b = a;
   b.velocity_feed_forward = true;
   EXPECT_EQ(name_of(diff(a, b).entries.at(0)), "velocity_feed_forward");
   b = a;

@@ -294,6 +294,11 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
         const Vehicle vehicle = kind == FirmwareKind::crazyflie ? testing::crazyflie_vehicle()
                                                                 : testing::iris_vehicle();
         CascadeGains gains = random_cascade(random, kind == FirmwareKind::crazyflie);
+        // ArduPilot's D acts on the error, which limits the lead to a quarter of Kd/Kp.
+        std::uniform_real_distribution<double> share(0, 0.24);
+        for (PidLoop& loop : gains.loops)
+          loop.rate_lead = i % 3 == 0 ? 0 : share(random) * std::abs(loop.Kd / loop.Kp);
+        gains.loops[1].rate_lead = gains.loops[0].rate_lead;
         // The output of a Crazyflie saturates at 571 per degree per second.
         if (kind == FirmwareKind::crazyflie)
           for (const CascadeAxis axis : {CascadeAxis::pitch, CascadeAxis::roll, CascadeAxis::yaw}) {
@@ -317,6 +322,11 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
           expect_share(back.loops[k].Kp, gains.loops[k].Kp, 1e-6);
           expect_share(back.loops[k].Ki, gains.loops[k].Ki, 1e-6);
           expect_share(back.loops[k].Kd, gains.loops[k].Kd, 1e-6);
+          expect_share(back.loops[k].rate_lead, gains.loops[k].rate_lead, 2e-6);
+          // A Crazyflie differentiates its rates without a filter.
+          EXPECT_EQ(back.loops[k].rate_filter > 0,
+                    gains.loops[k].rate_lead > 0 &&
+                        (kind != FirmwareKind::crazyflie || k == 0 || k == 1 || k == 5));
         }
       }
 }
@@ -479,6 +489,34 @@ TEST(Firmware, FeedForwardAndTheDerivativeOfTheErrorAreFeedbackToo) {
   EXPECT_NEAR(usual.Kd(), usual.scale * (0.135 + 0.0036 * 4.5), 1e-12);
   const FirmwareLoop forward = roll({{"ATC_RAT_RLL_FF", 0.1}});
   EXPECT_NEAR(forward.Kp() - usual.Kp(), usual.scale * 0.1 * 4.5, 1e-12);
+}
+
+// D of 0.0036 and P of 0.135: a lead of 27 ms. ArduPilot's D acts on the error, so its P is Kd -
+// A D, and a lead of more than Kd/(4 Kp) cannot be flown.
+TEST(Firmware, LeadOfTheRateIsTheDerivativeGain) {
+  CascadeGains gains = testing::usual_firmware_cascade();
+  PidLoop& roll = gains.loops[index_of(CascadeAxis::roll)];
+  roll.Ki = 0;
+  roll.rate_lead = 0.2 * std::abs(roll.Kd / roll.Kp);
+  const auto value = [&](FirmwareKind kind, const Vehicle& vehicle, const std::string& name) {
+    return value_of(firmware_parameters(newest(kind), vehicle, gains).values, name);
+  };
+  const Vehicle sih = testing::sih_vehicle();
+  expect_share(value(FirmwareKind::px4, sih, "MC_ROLLRATE_D"),
+               roll.rate_lead * value(FirmwareKind::px4, sih, "MC_ROLLRATE_P"), 1e-6);
+  const Vehicle copter = testing::arducopter_vehicle();
+  const double P = value(FirmwareKind::ardupilot, copter, "ATC_RAT_RLL_P"),
+               D = value(FirmwareKind::ardupilot, copter, "ATC_RAT_RLL_D"),
+               A = value(FirmwareKind::ardupilot, copter, "ATC_ANG_RLL_P");
+  expect_share((P * A) / (P + A * D), std::abs(roll.Kp / roll.Kd), 1e-6);
+  expect_share(D / (P + A * D), roll.rate_lead, 1e-6);
+  roll.rate_lead = 0.26 * std::abs(roll.Kd / roll.Kp);
+  EXPECT_THAT(
+      [&] { (void)value(FirmwareKind::ardupilot, copter, "ATC_RAT_RLL_P"); },
+      ThrowsMessage<InvalidInput>(HasSubstr("because the firmware differentiates the error")));
+  roll.rate_lead = std::nan("");
+  EXPECT_THAT([&] { (void)value(FirmwareKind::px4, sih, "MC_ROLLRATE_P"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("the roll loop has rate_lead nan s")));
 }
 
 TEST(Firmware, RotorsOfABoardAreKnownByTheirPlaces) {

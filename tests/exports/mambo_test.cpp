@@ -90,6 +90,9 @@ TEST(Mambo, CascadeReadsBackWithItsFlags) {
 
 TEST(Mambo, RefusesALawWithLimits) {
   ExportContent content = mambo_content();
+  content.cascade->gains.loops[3].rate_lead = 0.02;
+  expect_refusal(content, "mambo: the loop 'roll' acts on the derivative of the rate");
+  content = mambo_content();
   content.gains->limits.conditional_integration = true;
   expect_refusal(content, "mambo: the law limits its position error or its integrals");
 }

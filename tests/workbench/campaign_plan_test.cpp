@@ -24,6 +24,9 @@ name = "designed"
 [[design]]
 name = "feedback"
 controller = "state-feedback"
+[[design]]
+name = "lead"
+gains = "lead.toml"
 [[mission]]
 mission = "take-off-and-land"
 take_off = "thrust"
@@ -38,10 +41,26 @@ quantity = "mass"
 uniform = { low = 0.9, high = 1.1 }
 )";
 
+constexpr char kLead[] = R"(
+name = "lead"
+vehicle = "mambo"
+[trim]
+at = "hover"
+[cascade]
+dt_s = 0.005
+x = { Kp = -0.08, Ki = -0.004, Kd = 0.16 }
+y = { Kp = 0.08, Ki = 0.004, Kd = -0.16 }
+pitch = { Kp = 0.0043, Kd = -8.6e-4, rate_lead_s = 0.01, rate_filter_s = 0.004 }
+roll = { Kp = 0.0035, Kd = -7e-4, rate_lead_s = 0.008, rate_filter_s = 0.004 }
+yaw = { Kp = 4e-4, Kd = -4e-4 }
+altitude = { Kp = 0.38, Ki = 0.09, Kd = -0.25 }
+)";
+
 // The plan that was created and the plan that a worker loads give bit-identical flights: a plan
 // contains the flights themselves.
 TEST(CampaignPlan, IsReadBackAsItWasMade) {
   const testing::TemporaryDirectory directory;
+  directory.write("lead.toml", kLead);
   const MadeCampaign made = make_campaign(directory.write("c.toml", kCampaign), 2);
   const std::string folder = (directory.path() / "out").string();
   EXPECT_FALSE(write_campaign(made, folder));
@@ -49,7 +68,7 @@ TEST(CampaignPlan, IsReadBackAsItWasMade) {
   const CampaignPlan read = load_plan(folder);
   EXPECT_EQ(read.hash, made.plan.hash);
   EXPECT_EQ(read.shards, 2U);
-  ASSERT_EQ(read.campaign.records(), 12U);
+  ASSERT_EQ(read.campaign.records(), 18U);
   for (std::uint64_t i = 0; i < read.campaign.records(); ++i) {
     const FlightSetup setup = setup_of(read.campaign, i);
     const FlightSetup expected = setup_of(made.plan.campaign, i);
@@ -69,6 +88,7 @@ TEST(CampaignPlan, IsReadBackAsItWasMade) {
 TEST(CampaignPlan, AnotherPlanInTheFolderIsRefused) {
   const testing::TemporaryDirectory directory;
   const std::string folder = (directory.path() / "out").string();
+  directory.write("lead.toml", kLead);
   write_campaign(make_campaign(directory.write("c.toml", kCampaign), 2), folder);
   EXPECT_THAT([&] { write_campaign(make_campaign(directory.path() / "c.toml", 3), folder); },
               ThrowsMessage<InvalidInput>(HasSubstr("what differs is shards, 2 there and 3 here")));

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <numbers>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/design/design.hpp"
@@ -53,6 +54,31 @@ TEST(FirmwareGains, MeetTheBoundInTheFirmwaresLoops) {
   EXPECT_GT(both.disk(), 0.497);
   // The vertical axis was not designed again.
   EXPECT_EQ(both.axes[2].F, plain.axes[2].F);
+}
+
+// A lead of half the motor lag lets slow motors close a faster tilt loop with the same bound.
+TEST(FirmwareGains, LeadOfTheRateMakesSlowMotorsFaster) {
+  Vehicle vehicle = quad_450();
+  for (Rotor& rotor : vehicle.rotors) rotor.lag = rotor.lag_down = 0.078;
+  const std::vector<Firmware> px4 = {firmware(FirmwareKind::px4, {}, "test")};
+  FlownGainsOptions options;
+  options.structure = CascadeStructure::p_pi;
+  const CascadeGains without = as_cascade(flown_gains(vehicle, options), options.dt),
+                     with = as_cascade(firmware_gains(vehicle, px4, options), options.dt);
+  EXPECT_LT(worst_Ms(px4.front(), vehicle, with), 2.041);
+  for (const CascadeAxis axis : {CascadeAxis::pitch, CascadeAxis::roll}) {
+    const PidLoop &a = without.loops[index_of(axis)], &b = with.loops[index_of(axis)];
+    EXPECT_EQ(a.rate_lead, 0);
+    EXPECT_DOUBLE_EQ(b.rate_lead, 0.039);
+    EXPECT_NEAR(b.rate_filter, 1 / (2 * std::numbers::pi * 30), 1e-12);
+    EXPECT_GT(b.Kp, 1.4 * a.Kp) << to_string(axis);
+  }
+  EXPECT_EQ(with.loops[index_of(CascadeAxis::yaw)].rate_lead, 0);
+  const std::vector<Firmware> both = {px4.front(), firmware(FirmwareKind::betaflight, {}, "test")};
+  EXPECT_EQ(as_cascade(firmware_gains(vehicle, both, options), options.dt)
+                .loops[index_of(CascadeAxis::roll)]
+                .rate_lead,
+            0);
 }
 
 TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {

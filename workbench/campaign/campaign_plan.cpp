@@ -83,8 +83,12 @@ Uncertainty uncertainty_of(const Json& json, const std::string& where) {
 
 Json to_json(const CascadeController& cascade) {
   Json loops = Json::array();
-  for (const PidLoop& loop : cascade.gains.loops)
+  for (const PidLoop& loop : cascade.gains.loops) {
     loops.push_back({{"name", loop.name}, {"Kp", loop.Kp}, {"Ki", loop.Ki}, {"Kd", loop.Kd}});
+    if (loop.rate_lead == 0) continue;
+    loops.back()["rate_lead"] = loop.rate_lead;
+    loops.back()["rate_filter"] = loop.rate_filter;
+  }
   return {{"dt_s", cascade.gains.dt},
           {"integrator", to_string(cascade.method)},
           {"attitude_limit", finite_or_null(cascade.attitude_limit)},
@@ -111,6 +115,10 @@ CascadeController cascade_of(const Json& json, const std::string& where) {
     loop.Kp = member(entry, "Kp", where).get<double>();
     loop.Ki = member(entry, "Ki", where).get<double>();
     loop.Kd = member(entry, "Kd", where).get<double>();
+    if (entry.contains("rate_lead")) {
+      loop.rate_lead = entry["rate_lead"].get<double>();
+      loop.rate_filter = member(entry, "rate_filter", where).get<double>();
+    }
     cascade.gains.loops.push_back(loop);
   }
   return cascade;

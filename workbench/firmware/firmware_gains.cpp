@@ -7,6 +7,8 @@
 #include <array>
 #include <utility>
 
+#include "firmware/turn_parts.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 
 namespace quadtune {
@@ -73,6 +75,24 @@ std::array<WorstTurn, kFlownAxes.size()> worst_turns(const Vehicle& vehicle,
   return worst;
 }
 
+/// Lets the roll and pitch loops act on the derivative of the rate if all firmwares filter it, which
+/// compensates a part of the motor lag.
+void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
+                 FlownGainsOptions& options) {
+  // Near the ratio of the defaults, D/P of 20 to 27 ms for motors of 40 to 60 ms. A larger lead
+  // amplifies more of the gyroscope's noise.
+  constexpr double kShareOfLag = 0.5;
+  double filter = 0;
+  for (const Firmware& firmware : firmwares) {
+    if (firmware.kind != FirmwareKind::px4 && firmware.kind != FirmwareKind::ardupilot) return;
+    filter = std::max(filter, internal::derivative_time(firmware, CascadeAxis::roll,
+                                                        ParameterValues(firmware, {})));
+  }
+  if (!(filter > 0)) return;
+  options.rate_lead = kShareOfLag * internal::rotor_lag(vehicle);
+  options.rate_filter = filter;
+}
+
 }  // namespace
 
 CascadeStructure structure_of(FirmwareKind kind) {
@@ -84,6 +104,7 @@ FlownGains firmware_gains(const Vehicle& vehicle, const std::vector<Firmware>& f
   for (const Firmware& firmware : firmwares)
     if (structure_of(firmware.kind) == CascadeStructure::p_pi)
       options.structure = CascadeStructure::p_pi;
+  choose_lead(vehicle, firmwares, options);
   const double bound = options.bounds.Ms;
   FlownGains gains = flown_gains(vehicle, options);
   std::array<BoundSearch, kFlownAxes.size()> searches;

@@ -38,11 +38,9 @@ FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const Fir
 /// Notes about parts of a loop that a cascade of PidLoops cannot represent.
 void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
   if (const double D = turn.gains.derivative(); D != 0)
-    notes.push_back(fmt::format(
-        "{}: D acts as {:.3g} kg m^2 of additional inertia, {:.0f} % of the vehicle's: it is "
-        "included in the margins "
-        "of this table and in flights, but not in the cascade, which other commands use",
-        to_string(turn.gains.axis), D, 100 * D / turn.inertia));
+    notes.push_back(
+        fmt::format("{}: D acts as {:.3g} kg m^2 of additional inertia, {:.0f} % of the vehicle's",
+                    to_string(turn.gains.axis), D, 100 * D / turn.inertia));
   if (turn.gains.double_integral() != 0)
     notes.push_back(fmt::format(
         "{}: both of its controllers have an integral: the product of the two "

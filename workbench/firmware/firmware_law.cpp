@@ -12,10 +12,10 @@
 #include <optional>
 #include <utility>
 
-#include "firmware/loop_filters.hpp"
 #include "firmware/turn_parts.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 
 namespace quadtune {
 namespace {

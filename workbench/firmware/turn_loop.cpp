@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "firmware/loop_filters.hpp"
 #include "firmware/turn_parts.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 #include "quadtune/model/rigid_body.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 

@@ -37,8 +37,9 @@ VectorXd grid(double dt) {
 /// The structure of the law of one group of axes, and the load that its cost includes.
 struct AxisLaw {
   FlownAxis axis = FlownAxis::north;
-  double now = 0;            ///< as with_integrals()
-  double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s]; 0: no integral
+  double now = 0;                         ///< as with_integrals()
+  double tilt_integral = 0;               ///< Ki/Kp of the tilt loop [1/s]; 0: no integral
+  double rate_lead = 0, rate_filter = 0;  ///< of the tilt loop [s]
   double load = 0;  ///< torque whose sudden removal the cost includes if there is an integral [N m]
   CascadeStructure structure = CascadeStructure::pid;
 };
@@ -54,11 +55,20 @@ std::vector<GainProductBound> structure_bounds(const AxisLaw& law) {
   return bounds;
 }
 
+/// The part of the plant of a member that the law sees, with the lead of the tilt loop's rate.
+PeriodicLti part_of(const FlownFamilyMember& member, const AxisLaw& law) {
+  constexpr Index kRate = 3;
+  const PeriodicLti part = axis_part(member.plant, law.axis);
+  if (law.rate_lead == 0) return part;
+  const double sum = law.rate_filter + part.dt;
+  return with_rate_lead(part, kRate, law.rate_lead / sum, part.dt / sum);
+}
+
 FixedGainsMember member_of(const FlownFamilyMember& member, const AxisLaw& law,
                            const AxisWeights& weights) {
   FixedGainsMember result;
   result.name = member.name;
-  const PeriodicLti part = axis_part(member.plant, law.axis);
+  const PeriodicLti part = part_of(member, law);
   OutputFeedbackProblem& problem = result.problem;
   problem = axis_problem(part, law.axis, weights, law.now);
   if (law.tilt_integral > 0) {
@@ -112,7 +122,7 @@ bool stable(const std::vector<FixedGainsMember>& members, const RowVectorXd& F) 
 
 /// The loop of a member, cut at the law's output.
 PeriodicLti loop_of(const FlownFamilyMember& member, const AxisLaw& law, const RowVectorXd& F) {
-  PeriodicLti loop = with_integrals(axis_part(member.plant, law.axis), {0}, law.now);
+  PeriodicLti loop = with_integrals(part_of(member, law), {0}, law.now);
   if (law.tilt_integral > 0) loop = with_tilt_integral(loop, law.tilt_integral);
   loop.C = (F * loop.C).eval();
   loop.outputs = loop.inputs;
@@ -146,6 +156,8 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   FlownAxisGains result;
   result.axis = law.axis;
   result.tilt_integral = law.tilt_integral;
+  result.rate_lead = law.rate_lead;
+  result.rate_filter = law.rate_filter;
   MarginBounds bounds = asked;
   // The search bounds the margins only on a grid and for the mean response of the plant. The next
   // search compensates the excess of the actual closed loop over the bounds.
@@ -193,6 +205,10 @@ AxisLaw law_of(FlownAxis axis, const FlownGainsOptions& options) {
   law.axis = axis;
   law.now = options.now;
   law.structure = options.structure;
+  if (states_of(axis).size() == 4) {
+    law.rate_lead = options.rate_lead;
+    law.rate_filter = options.rate_filter;
+  }
   return law;
 }
 
@@ -305,6 +321,11 @@ CascadeGains as_cascade(const FlownGains& gains, double dt) {
     loop.Kp = Kp;
     loop.Ki = Ki;
     loop.Kd = Kd;
+    if (axis == CascadeAxis::pitch || axis == CascadeAxis::roll) {
+      const FlownAxisGains& of = gains.axes[axis == CascadeAxis::pitch ? 0 : 1];
+      loop.rate_lead = of.rate_lead;
+      loop.rate_filter = of.rate_filter;
+    }
     cascade.loops.push_back(loop);
   };
   // τ = -F [p; v; tilt; rate; ∫p] with F_tilt = Kp of the tilt, F_p = Kp of the tilt times Kp of
@@ -330,6 +351,10 @@ Gains as_state_feedback(const FlownGains& from, const Vehicle& vehicle, double d
   gains.K_int = MatrixXd::Zero(4, 4);
   for (std::size_t i = 0; i < from.axes.size(); ++i) {
     const FlownAxisGains& one = from.axes[i];
+    if (one.rate_lead != 0)
+      throw InvalidInput(vehicle.name, fmt::format("the gains of {} act on the derivative of the "
+                                                   "rate, which state feedback cannot represent",
+                                                   to_string(one.axis)));
     if (one.tilt_integral != 0)
       throw InvalidInput(vehicle.name, fmt::format("the gains of {} have an integral in the tilt "
                                                    "loop, which state feedback cannot represent",

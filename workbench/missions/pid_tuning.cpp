@@ -129,9 +129,14 @@ class PidTuning {
     text += fmt::format("back_calculation_per_s = {}\n", tuned.back_calculation);
     if (tuned.method != PidMethod::forward_euler)
       text += fmt::format("integrator = \"{}\"\n", to_string(tuned.method));
-    for (const PidLoop& loop : tuned.gains.loops)
-      text += fmt::format("{} = {{ Kp = {}, Ki = {}, Kd = {} }}\n", loop.name, loop.Kp, loop.Ki,
-                          loop.Kd);
+    for (const PidLoop& loop : tuned.gains.loops) {
+      text +=
+          fmt::format("{} = {{ Kp = {}, Ki = {}, Kd = {}", loop.name, loop.Kp, loop.Ki, loop.Kd);
+      if (loop.rate_lead != 0)
+        text +=
+            fmt::format(", rate_lead_s = {}, rate_filter_s = {}", loop.rate_lead, loop.rate_filter);
+      text += " }\n";
+    }
     // Exports to the model project if it supports the vehicle.
     return text + fmt::format("\n[[export]]\nto = \"{}\"\n",
                               takes_mambo_files(vehicle_) ? "mambo" : "json");

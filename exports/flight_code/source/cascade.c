@@ -23,7 +23,13 @@ static loop_output_t step_loop(const qt_loop_t *p, qt_loop_state_t *s, qt_real s
   const qt_real error = set_point - measurement;
   const qt_real increment = p->Ki * p->dt * ((p->error_now * error) + (p->error_before * s->error));
   qt_real integral = ((excess * increment) > 0.0f) ? s->integral : (s->integral + increment);
+#if QT_WITH_RATE_LEAD
+  /* Kd acts on rate + lead, and s->rate is the low pass of the rate. */
+  const qt_real ahead = rate - s->rate;
+  const qt_real derivative = -p->Kd * (rate + (p->rate_lead * ahead));
+#else
   const qt_real derivative = -p->Kd * rate;
+#endif
   const qt_real proportional = p->Kp * ((p->set_point_weight * set_point) - measurement);
   loop_output_t result;
   qt_real output;
@@ -36,6 +42,9 @@ static loop_output_t step_loop(const qt_loop_t *p, qt_loop_state_t *s, qt_real s
     s->integral = integral + (p->dt * p->back_calculation * (output - result.unlimited));
     s->error = error;
     s->output = output;
+#if QT_WITH_RATE_LEAD
+    s->rate += p->rate_share * ahead;
+#endif
   }
   result.value = s->output;
   return result;

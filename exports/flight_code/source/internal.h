@@ -182,6 +182,12 @@ typedef struct {
   qt_real integral_min;
   qt_real integral_max;
   qt_real back_calculation; /* [1/s] */
+#if QT_WITH_RATE_LEAD
+  /* Kd also acts on rate_lead times the rate minus its low pass, which changes by rate_share of this
+   * difference in each period. */
+  qt_real rate_lead;
+  qt_real rate_share;
+#endif
 } qt_loop_t;
 
 typedef struct {

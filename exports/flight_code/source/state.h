@@ -138,6 +138,9 @@ typedef struct {
   qt_real integral; /* Ki times the integral of the error [unit of the output] */
   qt_real error;    /* of the last period */
   qt_real output;   /* likewise */
+#if QT_WITH_RATE_LEAD
+  qt_real rate; /* low pass of the measured rate */
+#endif
 } qt_loop_state_t;
 
 typedef struct {

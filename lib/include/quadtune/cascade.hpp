@@ -12,10 +12,10 @@
 
 namespace quadtune {
 
-/// One loop: output = Kp · error + Ki · ∫error + Kd · measured rate.
+/// One loop: output = Kp · error + Ki · ∫error + Kd · (rate + rate_lead · rate').
 ///
-/// Kd multiplies the measured rate with a plus sign, so Kp and Kd of a damped loop have opposite
-/// signs.
+/// Here rate is the measured rate and rate' its derivative behind a first-order low pass. Kd has a
+/// plus sign, so Kp and Kd of a damped loop have opposite signs.
 struct PidLoop {
   std::string name;    ///< "x", "y", "pitch", "roll", "yaw" or "altitude"
   std::string output;  ///< name of the commanded quantity, e.g. "tau_y"
@@ -23,6 +23,10 @@ struct PidLoop {
   double Kp = 0;       ///< [unit]
   double Ki = 0;       ///< [unit / s]
   double Kd = 0;       ///< [unit · s]
+  /// Lead time of the rate [s], ≥ 0; 0: the rate alone. Autopilots call Kd · rate_lead the
+  /// derivative gain of the rate.
+  double rate_lead = 0;
+  double rate_filter = 0;  ///< time constant of the low pass of rate' [s], ≥ 0
 };
 
 /// All loops of one flight controller.

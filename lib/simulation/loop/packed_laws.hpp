@@ -56,6 +56,8 @@ template <int N>
         {&PidSettings<P>::Ki, &PidSettings<double>::Ki},
         {&PidSettings<P>::Kd, &PidSettings<double>::Kd},
         {&PidSettings<P>::Tf, &PidSettings<double>::Tf},
+        {&PidSettings<P>::rate_lead, &PidSettings<double>::rate_lead},
+        {&PidSettings<P>::rate_share, &PidSettings<double>::rate_share},
         {&PidSettings<P>::b, &PidSettings<double>::b},
         {&PidSettings<P>::c, &PidSettings<double>::c},
         {&PidSettings<P>::output_min, &PidSettings<double>::output_min},

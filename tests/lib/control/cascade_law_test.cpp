@@ -89,6 +89,50 @@ TEST(CascadeLaw, IsWhatTheElementsRun) {
     }
 }
 
+/// The gains with a lead of the rate in three loops.
+CascadeGains leading_gains() {
+  CascadeGains gains = some_gains(true);
+  for (PidLoop& loop : gains.loops) {
+    if (loop.name == "yaw") continue;
+    loop.rate_lead = loop.name == "x" ? 0.1 : 0.03;
+    loop.rate_filter = loop.name == "pitch" ? 0 : 0.008;
+  }
+  return gains;
+}
+
+TEST(CascadeLaw, WithALeadIsWhatTheElementsRun) {
+  const CascadeGains gains = leading_gains();
+  const DiscreteLti law = cascade_law(gains, PidMethod::tustin);
+  ASSERT_EQ(law.A.rows(), 11);
+  EXPECT_EQ(law.states[6].name, "rate_x");
+  Elements elements(gains, PidMethod::tustin);
+  elements.step(Eigen::VectorXd::Zero(16));
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(11);
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::VectorXd in = Eigen::VectorXd::NullaryExpr(16, [&] { return normal(random); });
+    const Eigen::Vector4d there = elements.step(in);
+    ASSERT_THAT(Eigen::VectorXd(law.C * x + law.D * in), MatrixNear(there, 1e-13));
+    x = (law.A * x + law.B * in).eval();
+  }
+}
+
+// Kd (1 + lead s/(Tf s + 1)) from the rate to the torque.
+TEST(CascadeLaw, LeadInContinuousTimeIsItsTransferFunction) {
+  CascadeGains gains = some_gains(false);
+  for (PidLoop& loop : gains.loops)
+    if (loop.name == "roll") loop.rate_lead = 0.03, loop.rate_filter = 0.008;
+  const ContinuousLti law = cascade_law(gains);
+  ASSERT_EQ(law.A.rows(), 1);
+  const std::complex<double> s(0.2, 40);
+  const std::complex<double> found =
+      law.C(1, 0) * law.B(0, kCascadeSetPoints + 9) / (s - law.A(0, 0)) +
+      law.D(1, kCascadeSetPoints + 9);
+  const double Kd = cascade_law(some_gains(false)).D(1, kCascadeSetPoints + 9);
+  EXPECT_LT(std::abs(found - Kd * (1.0 + 0.03 * s / (0.008 * s + 1.0))), 1e-12 * std::abs(found));
+}
+
 TEST(CascadeLaw, PushesTheRightWay) {
   const DiscreteLti law = cascade_law(some_gains(false), PidMethod::forward_euler);
   const auto wrench = [&](const std::string& input) {
@@ -154,6 +198,10 @@ TEST(CascadeLaw, Refuses) {
   EXPECT_THROW((void)cascade_law(gains), InvalidInput);
   gains = some_gains(true);
   gains.dt = 0;
+  EXPECT_THROW((void)cascade_law(gains, PidMethod::tustin), InvalidInput);
+  gains = leading_gains();
+  EXPECT_THROW((void)cascade_law(gains), InvalidInput) << "pitch has no filter";
+  gains.loops[0].rate_lead = std::nan("");
   EXPECT_THROW((void)cascade_law(gains, PidMethod::tustin), InvalidInput);
   DiscreteLti plant{
       Eigen::Matrix2d::Identity(), Eigen::Vector2d::Ones(), {}, {}, 0.005, {}, {}, {}};

@@ -111,6 +111,51 @@ TEST(Pid, TakesAMeasuredRateAsItIs) {
   EXPECT_DOUBLE_EQ(step(settings, state, {1, -7, -2}).value, 1);
 }
 
+/// Kd on rate + lead · derivative, the derivative by backward Euler behind a low pass of 20 ms.
+PidSettings<double> leading_pid() {
+  PidLoop loop = cascade_loop(CascadeAxis::roll);
+  loop.Kp = 2;
+  loop.Kd = -0.5;
+  loop.rate_lead = 0.04;
+  loop.rate_filter = 0.02;
+  return pid_settings(loop, 0.005);
+}
+
+// A step of the rate: the derivative is 1/(Tf + dt), and then a power of Tf/(Tf + dt).
+TEST(Pid, LeadOfTheRateDecaysWithItsFilter) {
+  PidState<double> state;
+  for (int k = 0; k < 40; ++k)
+    EXPECT_NEAR(step(leading_pid(), state, {0, 0, 3}).value,
+                -0.5 * 3 * (1 + 0.04 / 0.025 * std::pow(0.8, k)), 1e-14);
+}
+
+// A ramp of the rate: the derivative ends at its slope.
+TEST(Pid, LeadOfARampIsItsSlope) {
+  PidState<double> state;
+  double last = 0;
+  for (int k = 0; k < 400; ++k) last = step(leading_pid(), state, {0, 0, 7 * 0.005 * k}).value;
+  EXPECT_NEAR(last, -0.5 * (7 * 0.005 * 399 + 0.04 * 7), 1e-12);
+}
+
+TEST(Pid, LeadOfTheRateIsTheContinuousOneWithSReplaced) {
+  const auto C = pid_transfer_function(leading_pid(), PidChannel::rate);
+  for (const double w : kFrequencies) {
+    const std::complex<double> z = std::polar(1.0, w * 0.005), s = (z - 1.0) / (0.005 * z);
+    const std::complex<double> want = -0.5 * (1.0 + 0.04 * s / (0.02 * s + 1.0));
+    EXPECT_LT(std::abs(C(z) - want), 1e-12 * std::abs(want));
+  }
+}
+
+TEST(Pid, WithALeadStartsWithoutABumpAndKeepsItsStateThroughNaN) {
+  PidState<double> state = pid_start(leading_pid(), {1, 0.9, 4, 0}, 2.0);
+  EXPECT_NEAR(step(leading_pid(), state, {1, 0.9, 4, 0}).value, 2, 1e-14);
+  PidState<double> untouched = state;
+  EXPECT_FALSE(step(leading_pid(), state, {1, 0.9, kNaN, 0}).finite);
+  EXPECT_FALSE(step(leading_pid(), state, {1, 0.9, PidSettings<double>::kInfinity, 0}).finite);
+  EXPECT_EQ(step(leading_pid(), state, {1, 0.5, 3, 0}).value,
+            step(leading_pid(), untouched, {1, 0.5, 3, 0}).value);
+}
+
 // The recorded impulse response, transformed: Σ h[k] z^-k just outside the unit circle.
 std::complex<double> transformed_impulse(const PidSettings<double>& settings,
                                          const PidInput<double>& unit, std::complex<double> z) {
@@ -145,6 +190,14 @@ TEST(Pid, RunsItsTransferFunction) {
         EXPECT_LT(std::abs(error(z) + measurement(z)), 1e-11);
       }
     }
+  }
+}
+
+TEST(Pid, RunsTheTransferFunctionOfItsLead) {
+  const auto rate = pid_transfer_function(leading_pid(), PidChannel::rate);
+  for (const double w : kFrequencies) {
+    const std::complex<double> z = std::polar(1.02, w * 0.005);
+    EXPECT_LT(std::abs(rate(z) - transformed_impulse(leading_pid(), {0, 0, 1}, z)), 1e-12);
   }
 }
 
@@ -368,6 +421,18 @@ TEST(PidSettings, AreRefusedWithTheirReason) {
               StrEq("accepted"));
   EXPECT_THAT(refusal([](auto& s) { s.Tf = -1, s.method = PidMethod::backward_euler; }),
               HasSubstr("Tf is -1 s"));
+  EXPECT_THAT(refusal([](auto& s) { s.rate_lead = -1; }),
+              HasSubstr("rate_lead is -1 and rate_share 0, expected a finite number of 0 or more"));
+  EXPECT_THAT(refusal([](auto& s) { s.rate_lead = kNaN; }), HasSubstr("rate_lead is nan"));
+  EXPECT_THAT(refusal([](auto& s) { s.rate_share = 1.1; }), HasSubstr("rate_share 1.1"));
+  PidLoop backwards = cascade_loop(CascadeAxis::roll);
+  backwards.rate_lead = -0.01;
+  EXPECT_THAT([&] { (void)pid_settings(backwards, 0.005); },
+              ThrowsMessage<InvalidInput>(HasSubstr("loop roll: rate_lead is -0.01 s")));
+  backwards.rate_lead = 0.01;
+  backwards.rate_filter = kNaN;
+  EXPECT_THAT([&] { (void)pid_settings(backwards, 0.005); },
+              ThrowsMessage<InvalidInput>(HasSubstr("rate_filter nan s")));
   EXPECT_THROW(validate(PidSettings<float>{}, "here"), InvalidInput);
   EXPECT_THAT(
       [] {

@@ -275,6 +275,19 @@ TEST(FlyAll, IsEachFlightAloneWithLagAndAnyNumberOfRotors) {
   }
 }
 
+TEST(FlyAll, IsEachFlightAloneWithLeadsOfTheRate) {
+  std::vector<FlightSetup> setups = campaign(ideal_hover(3));
+  for (std::size_t i = 0; i < setups.size(); ++i)
+    for (PidLoop& loop : std::get<CascadeController>(setups[i].controller).gains.loops) {
+      if (loop.name != "roll" && loop.name != "pitch") continue;
+      loop.rate_lead = 0.004 * static_cast<double>(i % 4);
+      loop.rate_filter = i % 3 == 0 ? 0.02 : 0.004;
+    }
+  expect_same_as_alone(setups, "leads");
+  // They change the flight.
+  EXPECT_STRNE(first_difference(fly(setups[1]), fly(campaign(ideal_hover(3))[1])), "");
+}
+
 TEST(FlyAll, IsEachFlightAloneInChangingAir) {
   FlightSetup common = hover(3);
   common.environment.dynamic = true;

@@ -151,6 +151,7 @@ struct FlightCodeCase {
   bool double_precision = false;
   std::string filter = "general";  ///< or "mambo" or "uquad", where there is an estimator
   bool steady_filters = false;     ///< whether the design has Kalman filters
+  bool rate_lead = false;          ///< whether roll and pitch act on the derivative of the rate
 };
 
 inline ExportContent flight_code_content(const FlightCodeCase& of) {
@@ -160,6 +161,12 @@ inline ExportContent flight_code_content(const FlightCodeCase& of) {
     content.cascade = hovering_cascade(content.vehicle, PidMethod::tustin);
   else
     content.gains = hovering_feedback(content.vehicle, of.kind, of.past, of.integrals);
+  if (of.rate_lead)
+    for (PidLoop& loop : content.cascade->gains.loops)
+      if (loop.name == "pitch" || loop.name == "roll") {
+        loop.rate_lead = 0.02;
+        loop.rate_filter = 0.0053;
+      }
   if (of.estimator && of.filter != "general") content.estimator = StoredEstimator{of.filter};
   if (of.estimator && of.filter == "general")
     content.estimator = StoredEstimator{

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "matrix_near.hpp"
@@ -172,6 +173,39 @@ TEST(FlownAxis, TiltIntegralIsItsRecursion) {
     x = (plant.A[k % 2] * x + plant.B[k % 2] * u).eval();
     z = (extended.A[k % 2] * z + extended.B[k % 2] * v).eval();
   }
+}
+
+/// The output `rate` of the extended plant is the rate with its lead.
+TEST(FlownAxis, RateLeadIsItsRecursion) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> between(-1, 1);
+  const auto draw = [&](Index rows, Index cols) {
+    return MatrixXd(0.3 * MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); }));
+  };
+  PeriodicLti plant;
+  plant.A = {draw(5, 5), draw(5, 5)};
+  plant.B = {draw(5, 1), draw(5, 1)};
+  plant.C = draw(4, 5);
+  plant.dt = 0.01;
+  const PeriodicLti extended = with_rate_lead(plant, 3, 2.5, 0.3);
+  ASSERT_EQ(extended.A[0].rows(), 6);
+  VectorXd x = draw(5, 1), z = VectorXd::Zero(6);
+  z.head(5) = x;
+  double low_pass = 0;
+  for (std::size_t k = 0; k < 60; ++k) {
+    VectorXd y = plant.C * x;
+    const double rate = y(3);
+    y(3) += 2.5 * (rate - low_pass);
+    EXPECT_THAT(VectorXd(extended.C * z), MatrixNear(y, 1e-12)) << k;
+    low_pass += 0.3 * (rate - low_pass);
+    const double u = between(random);
+    x = (plant.A[k % 2] * x + plant.B[k % 2] * u).eval();
+    z = (extended.A[k % 2] * z + extended.B[k % 2] * u).eval();
+  }
+  for (const auto& [index, gain, share] :
+       {std::tuple(4, 1.0, 0.5), std::tuple(3, -1.0, 0.5), std::tuple(3, std::nan(""), 0.5),
+        std::tuple(3, 1.0, 0.0), std::tuple(3, 1.0, 1.1)})
+    EXPECT_THROW((void)with_rate_lead(plant, index, gain, share), InvalidInput);
 }
 
 TEST(FlownAxis, RefusesWhatDoesNotFit) {

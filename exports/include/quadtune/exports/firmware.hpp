@@ -124,9 +124,11 @@ struct FirmwareLoop {
   double outer = 0;             ///< rate set point per error [1/s]
   double outer_integral = 0;    ///< [1/s²]
   double outer_derivative = 0;  ///< on the rate itself [1]
-  double P = 0,       ///< proportional, on the error of the rate [firmware output per SI unit]
-      I = 0,          ///< integral, likewise
-      D = 0;          ///< derivative, on the rate unless of_error
+  double P = 0,  ///< proportional, on the error of the rate [firmware output per SI unit]
+      I = 0,     ///< integral, likewise
+      D = 0;     ///< derivative, on the rate unless of_error
+  /// Sum of the time constants of the filters of D, in addition to those of the rate [s].
+  double derivative_filter = 0;
   bool flies = true;  ///< false: the firmware has no such loop; the pilot closes it
 
   double forward = 0;     ///< on the set point of the rate that the outer loop computes
@@ -143,10 +145,9 @@ struct FirmwareLoop {
     return scale *
            (P * (1 + outer_derivative) + forward * outer_derivative + (of_error ? D * outer : 0));
   }
-  /// Gains that a cascade of PidLoops cannot represent: on the derivative of the rate, and on the
-  /// double integral of the error.
+  /// The gain on the derivative of the rate, Kd · rate_lead of a PidLoop.
   [[nodiscard]] double derivative() const { return scale * D; }
-  /// The gain on the double integral of the error.
+  /// The gain on the double integral of the error, which a cascade of PidLoops cannot represent.
   [[nodiscard]] double double_integral() const { return scale * I * outer_integral; }
 };
 

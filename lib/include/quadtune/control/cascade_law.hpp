@@ -15,13 +15,15 @@ inline constexpr int kCascadeSetPoints = 4;
 ///
 /// Inputs: the set points, then the 12 states of ned_convention(). Outputs: the wrench T [N],
 /// tau_x, tau_y, tau_z [N m]; T acts along body -z, so it is the negated command of the altitude
-/// loop. States: the integrals of the loops with Ki, in the order of the loops.
+/// loop. States: the integrals of the loops with Ki, in the order of the loops; then the low passes
+/// of the rates of the loops with rate_lead.
 ///
 /// @param gains   loops named x, y, pitch, roll, yaw, altitude; a missing loop outputs 0
 /// @param method  of the integrals
-/// @throws InvalidInput  if a loop has another name or gains are not finite
+/// @throws InvalidInput  if a loop has another name, gains are not finite, or a lead is negative
 [[nodiscard]] DiscreteLti cascade_law(const CascadeGains& gains, PidMethod method);
 /// The same with continuous-time integrals; the period of the gains is not used.
+/// @throws InvalidInput  likewise, and if rate_filter is 0 where rate_lead is not
 [[nodiscard]] ContinuousLti cascade_law(const CascadeGains& gains);
 
 /// The loop transfer cut at the plant's inputs, for negative feedback, with set points of 0.

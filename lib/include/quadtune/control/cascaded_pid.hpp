@@ -4,6 +4,7 @@
 /// cascade_law().
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -32,6 +33,12 @@ struct CascadedPidSettings {
   /// Whether integrals stop growing in a direction in which the motors are saturated.
   bool conditional_integration = false;
 };
+
+/// Whether the rate has a lead in any loop.
+[[nodiscard]] inline bool has_rate_lead(const CascadedPidSettings<double>& settings) {
+  return std::any_of(settings.loops.begin(), settings.loops.end(),
+                     [](const PidSettings<double>& loop) { return loop.rate_lead != 0; });
+}
 
 /// The state kept from one sample to the next.
 template <class T>

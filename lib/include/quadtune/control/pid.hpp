@@ -16,7 +16,7 @@ namespace quadtune {
 
 /// The signal that is differentiated. v = c · set point - measurement.
 enum class PidDerivative {
-  /// -Kd · rate: the rate of the measurement has its own sensor; c and Tf are not used.
+  /// -Kd · (rate + lead): the rate of the measurement has its own sensor; c and Tf are not used.
   measured_rate,
   difference,  ///< Kd (v[k] - v[k-1]) / dt; Tf is not used
   filtered,    ///< Kd s / (Tf s + 1) of v, with s replaced according to the method
@@ -33,8 +33,12 @@ struct PidSettings {
   Scalar Ki = 0;  ///< [output / (error · s)]
   Scalar Kd = 0;  ///< [output · s / error]; damping if it has the sign of Kp
   Scalar Tf = 0;  ///< time constant of the filtered derivative [s]
-  Scalar b = 1;   ///< weight of the set point in the proportional part
-  Scalar c = 0;   ///< weight of the set point in the derivative
+  /// With measured_rate: the lead is this factor times the difference between the rate and its low
+  /// pass, ≥ 0; 0 disables it.
+  Scalar rate_lead = 0;
+  Scalar rate_share = 0;  ///< share of that difference that the low pass takes per sample, 0 … 1
+  Scalar b = 1;           ///< weight of the set point in the proportional part
+  Scalar c = 0;           ///< weight of the set point in the derivative
   PidMethod method = PidMethod::forward_euler;              ///< rule of the integral
   PidDerivative derivative = PidDerivative::measured_rate;  ///< what the derivative acts on
   Scalar output_min = Scalar(-kInfinity);                   ///< [output]
@@ -52,6 +56,7 @@ struct PidState {
   Scalar error = 0;       ///< of the last sample
   Scalar v = 0;           ///< c · set point - measurement of the last sample
   Scalar derivative = 0;  ///< derivative part of the last output
+  Scalar rate = 0;        ///< low pass of the measured rate
   Scalar output = 0;      ///< the last output
 };
 
@@ -143,7 +148,8 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   Scalar integral = select(winds_up, state.integral, state.integral + increment);
   integral = clamped(integral, settings.integral_min, settings.integral_max);
 
-  Scalar derivative = -settings.Kd * input.rate;
+  const Scalar ahead = input.rate - state.rate;
+  Scalar derivative = -settings.Kd * (input.rate + settings.rate_lead * ahead);
   if (settings.derivative != PidDerivative::measured_rate) {
     const PidDifference<Scalar> difference = pid_difference(settings);
     derivative = difference.pole * state.derivative + difference.gain * (v - state.v);
@@ -160,6 +166,7 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   state.error = select(finite, error, state.error);
   state.v = select(finite, v, state.v);
   state.derivative = select(finite, derivative, state.derivative);
+  state.rate = select(finite, state.rate + settings.rate_share * ahead, state.rate);
   state.output = select(finite, output, state.output);
   return {state.output, unlimited, finite};
 }
@@ -176,6 +183,7 @@ template <class Scalar>
   const Scalar proportional = settings.Kp * (settings.b * input.set_point - input.measurement);
   if (settings.derivative == PidDerivative::measured_rate)
     state.derivative = -settings.Kd * input.rate;
+  state.rate = input.rate;
   state.integral = output - proportional - state.derivative - input.feed_forward;
   state.output = output;
   return state;
@@ -184,20 +192,11 @@ template <class Scalar>
 /// Converts settings to another precision.
 template <class To, class From>
 [[nodiscard]] constexpr PidSettings<To> pid_cast(const PidSettings<From>& from) noexcept {
-  return {To(from.dt),
-          To(from.Kp),
-          To(from.Ki),
-          To(from.Kd),
-          To(from.Tf),
-          To(from.b),
-          To(from.c),
-          from.method,
-          from.derivative,
-          To(from.output_min),
-          To(from.output_max),
-          To(from.integral_min),
-          To(from.integral_max),
-          To(from.back_calculation)};
+  return {
+      To(from.dt),         To(from.Kp),           To(from.Ki),           To(from.Kd),
+      To(from.Tf),         To(from.rate_lead),    To(from.rate_share),   To(from.b),
+      To(from.c),          from.method,           from.derivative,       To(from.output_min),
+      To(from.output_max), To(from.integral_min), To(from.integral_max), To(from.back_calculation)};
 }
 
 static_assert(std::is_trivially_copyable_v<PidState<float>>);
@@ -205,8 +204,8 @@ static_assert(std::is_trivially_copyable_v<PidState<double>>);
 static_assert(std::is_trivially_copyable_v<PidSettings<float>>);
 
 /// Checks that step() may use these settings: dt > 0, finite gains, ordered limits, a stable filter
-/// (Tf > dt/2 with forward Euler, Tf ≥ 0 with backward Euler, Tf > 0 with Tustin), and a
-/// back-calculation that does not overshoot.
+/// (Tf > dt/2 with forward Euler, Tf ≥ 0 with backward Euler, Tf > 0 with Tustin), a lead that is
+/// not negative with a share of 0 to 1, and a back-calculation that does not overshoot.
 /// @throws InvalidInput  "where: Tf is 0.001 s, expected more than dt/2 = 0.0025 s because …"
 void validate(const PidSettings<double>& settings, const std::string& where);
 
@@ -214,8 +213,8 @@ void validate(const PidSettings<double>& settings, const std::string& where);
 void validate(const PidSettings<float>& settings, const std::string& where);
 
 /// A loop of a cascade as a PID element: PidDerivative::measured_rate, integral by forward
-/// Euler, no limits. The sign of Kd changes, since PidLoop adds Kd · rate and the element subtracts
-/// it.
+/// Euler, derivative of the rate by backward Euler, no limits. The sign of Kd changes, since PidLoop
+/// adds Kd · rate and the element subtracts it.
 /// @throws InvalidInput  as validate(), with the name of the loop.
 [[nodiscard]] PidSettings<double> pid_settings(const PidLoop& loop, double dt);
 
@@ -226,7 +225,7 @@ enum class PidChannel {
   set_point,  ///< with the weights b and c
   /// -(Kp + I + D); excludes the D of a measured rate.
   measurement,
-  rate,  ///< -Kd with a measured rate, otherwise 0
+  rate,  ///< -Kd with the lead if the rate is measured, otherwise 0
 };
 
 /// The exact transfer function of step() as long as no limit is active.

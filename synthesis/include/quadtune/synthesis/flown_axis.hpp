@@ -70,6 +70,18 @@ struct AxisWeights {
 /// @throws InvalidInput  if the plant has the wrong inputs or outputs, or rate is out of range
 [[nodiscard]] PeriodicLti with_tilt_integral(const PeriodicLti& plant, double rate);
 
+/// Extends a plant for a law with Kd on rate + gain (rate - f), where the low pass f[k+1] = f[k] +
+/// share (rate[k] - f[k]): the output `rate` of the plant becomes this sum, so the law remains linear
+/// in F.
+/// @param plant  outputs as axis_part()
+/// @param rate   index of the output
+/// @param gain   as PidSettings::rate_lead
+/// @param share  as PidSettings::rate_share
+/// @return       the plant with one more state, the low pass
+/// @throws InvalidInput  if the plant has no such output, or gain or share is out of range
+[[nodiscard]] PeriodicLti with_rate_lead(const PeriodicLti& plant, Eigen::Index rate, double gain,
+                                         double share);
+
 /// Computes the initial state after a step of the set point of output `index` by 1: the steady
 /// state in which this output is -1 and all others are 0. If no such state exists, the
 /// least-squares solution is returned.

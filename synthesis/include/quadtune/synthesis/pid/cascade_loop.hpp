@@ -45,7 +45,7 @@ struct CascadeLoopEvidence {
   double load_steady_state = 0;  ///< steady-state value after that step; 0 with an integral
   double tracking_peak = 0;      ///< max |value / set point|
   double value_noise = 0;        ///< max |Kp + Ki/s| |S|: gain from value noise to the command
-  double rate_noise = 0;         ///< max Kd |S|: gain from rate noise to the command
+  double rate_noise = 0;         ///< max Kd |S|: gain from rate noise to the command, without lead
 };
 
 /// Computes the properties of a loop with given gains.

@@ -27,6 +27,8 @@ struct FlownAxisGains {
   Eigen::RowVectorXd F;
   double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s], see with_tilt_integral(); 0: no
                              ///< integral
+  double rate_lead = 0;      ///< as FlownGainsOptions::rate_lead; 0 for altitude and yaw
+  double rate_filter = 0;    ///< likewise
   FixedGainsResult search;   ///< how the gains were found
   std::vector<LoopMargins> margins;  ///< at the law's output, of each member of the family
 };
@@ -59,6 +61,10 @@ struct FlownGainsOptions {
   /// p_pi: every loop of the cascade must be representable as a gain followed by a PI controller of
   /// the rate.
   CascadeStructure structure = CascadeStructure::pid;
+  /// As PidLoop::rate_lead and rate_filter of the roll and pitch loops [s]: a lead near the motor
+  /// lag compensates a part of it.
+  double rate_lead = 0;
+  double rate_filter = 0;                    ///< [s]
   std::optional<StandardAxes> weights = {};  ///< none: standard_axes()
   std::string estimator = "";                ///< as flown_family()
 };
@@ -81,7 +87,8 @@ void redesign(FlownGains& gains, const std::vector<FlownAxis>& groups, const Veh
 /// The same gains as a cascade: x and y command pitch and roll.
 [[nodiscard]] CascadeGains as_cascade(const FlownGains& gains, double dt);
 /// The same gains as state feedback with integrals of px, py, pz and yaw in heading axes.
-/// @throws InvalidInput  if a tilt loop has an integral, which such a matrix cannot represent
+/// @throws InvalidInput  if a tilt loop has an integral or a lead, which such a matrix cannot
+///                       represent
 [[nodiscard]] Gains as_state_feedback(const FlownGains& gains, const Vehicle& vehicle, double dt);
 
 }  // namespace quadtune

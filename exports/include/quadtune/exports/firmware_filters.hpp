@@ -29,6 +29,10 @@ struct LoopFilters {
 [[nodiscard]] LoopFilters loop_filters(const Firmware& firmware, CascadeAxis axis,
                                        const ParameterValues& value);
 
+/// Sum of the time constants of the filters of D, in addition to those of its input [s].
+[[nodiscard]] double derivative_time(const Firmware& firmware, CascadeAxis axis,
+                                     const ParameterValues& value);
+
 /// Sample rates of a firmware's loops [Hz].
 struct LoopRates {
   double rate = 0;      ///< body rate loops

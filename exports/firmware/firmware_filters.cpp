@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware/loop_filters.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 
+#include <numbers>
 #include <string>
-
-#include "firmware/turn_parts.hpp"
 
 namespace quadtune::internal {
 namespace {
+
+bool turns(CascadeAxis axis) {
+  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
+}
 
 /// A cut-off of 0 disables a filter.
 LowPasses filter_of(int order, double cutoff_Hz) {
@@ -96,6 +99,13 @@ LoopFilters loop_filters(const Firmware& firmware, CascadeAxis axis, const Param
       return crazyflie_filters(axis);
   }
   return {};
+}
+
+double derivative_time(const Firmware& firmware, CascadeAxis axis, const ParameterValues& value) {
+  double sum = 0;
+  for (const LowPass& filter : loop_filters(firmware, axis, value).derivative)
+    sum += (filter.order == 2 ? std::numbers::sqrt2 : 1) / (2 * std::numbers::pi * filter.cutoff);
+  return sum;
 }
 
 LoopRates loop_rates(const Firmware& firmware, const ParameterValues& value) {
