@@ -74,7 +74,10 @@ TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
                          "--propeller", "10in", "--max-thrust", "11.5N", "--quiet", "-o", own})
                 .status,
             0);
-  ASSERT_EQ(run_program({"pid", own, "--structure", "p-pi", "--quiet", "-o", gains}).status, 0);
+  ASSERT_EQ(
+      run_program({"pid", own, "--structure", "p-pi", "--Ms-max", "2.5", "--quiet", "-o", gains})
+          .status,
+      0);
   std::vector<std::string> words = {"export",    gains, "--to", "ardupilot",
                                     "--vehicle", own,   "-o",   out};
   const ProgramResult refused = run_program(words);
@@ -88,7 +91,7 @@ TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
 }
 
-// The design file chooses Ms for loops without the firmware's filters, whose phase is then 2 deg.
+// The design file chooses Ms for loops without the firmware's filters, whose phase is then 6 deg.
 TEST_F(FirmwareVerb, DesignsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   ASSERT_EQ(
       run_program({"vehicle", "new", "slow", "--mass", "1860g", "--arm", "255mm", "--propeller",
@@ -107,7 +110,7 @@ TEST_F(FirmwareVerb, DesignsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   EXPECT_EQ(refused.status, 4) << refused.err;
   EXPECT_THAT(refused.err,
               HasSubstr("slow-design.toml: with the filters and the delay of ardupilot, "
-                        "the margins are too small to fly (pitch phase 1.8 deg"));
+                        "the margins are too small to fly (pitch phase 6.4 deg"));
   EXPECT_FALSE(std::filesystem::exists(out));
   const ProgramResult forced = run_program({"design", design, "-o", out, "--force"});
   EXPECT_EQ(forced.status, 1);
