@@ -84,7 +84,7 @@ std::string loops_text(const CascadeReport& report) {
   Json rows = loops_json(report);
   for (Json& row : rows) {
     const std::string& output = row["output"].text();
-    row["output"] = output.substr(0, output.find(","));
+    row["output"] = output.substr(0, output.find(','));
   }
   std::vector<Column> columns = {{"name", "loop"},
                                  {"Kp", "Kp", "", ".4g"},
