@@ -226,7 +226,7 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
     if (loop.rate_lead != 0)
       throw InvalidInput("mambo", fmt::format("the loop '{}' acts on the derivative of the rate, "
                                               "which the model project does not; expected "
-                                              "rate_lead 0",
+                                              "rate_lead_s 0",
                                               loop.name));
     const std::string prefix = "Controller.Cascade." + loop.name;
     m.number(prefix + ".Kp", loop.Kp, loop.unit + ", to " + loop.output);

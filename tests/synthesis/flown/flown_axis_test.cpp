@@ -144,23 +144,31 @@ TEST(FlownAxis, CostEqualsThatOfASimulatedStep) {
   EXPECT_NEAR(cost.cost, sum, 1e-8 * sum);
 }
 
+MatrixXd random_matrix(std::mt19937_64& random, Index rows, Index cols) {
+  std::uniform_real_distribution<double> between(-0.3, 0.3);
+  return MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); });
+}
+
+/// A plant of two periods with five states, an input and four outputs.
+PeriodicLti random_plant(std::mt19937_64& random) {
+  PeriodicLti plant;
+  plant.A = {random_matrix(random, 5, 5), random_matrix(random, 5, 5)};
+  plant.B = {random_matrix(random, 5, 1), random_matrix(random, 5, 1)};
+  plant.C = random_matrix(random, 4, 5);
+  plant.dt = 0.01;
+  return plant;
+}
+
 /// A matrix law on the extended plant commands what the law with the integral and the filter does:
 /// u = v + rate s on the plant, with s the sum of v, and the rate seen through its filter.
 TEST(FlownAxis, TiltIntegralIsItsRecursion) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> between(-1, 1);
-  const auto draw = [&](Index rows, Index cols) {
-    return MatrixXd(0.3 * MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); }));
-  };
-  PeriodicLti plant;
-  plant.A = {draw(5, 5), draw(5, 5)};
-  plant.B = {draw(5, 1), draw(5, 1)};
-  plant.C = draw(4, 5);
-  plant.dt = 0.01;
+  const PeriodicLti plant = random_plant(random);
   const double rate = 20;
   const PeriodicLti extended = with_tilt_integral(plant, rate);
   ASSERT_EQ(extended.A[0].rows(), 7);
-  VectorXd x = draw(5, 1), z = VectorXd::Zero(7);
+  VectorXd x = random_matrix(random, 5, 1), z = VectorXd::Zero(7);
   z.head(5) = x;
   double sum = 0, filtered = 0;
   for (std::size_t k = 0; k < 60; ++k) {
@@ -179,17 +187,10 @@ TEST(FlownAxis, TiltIntegralIsItsRecursion) {
 TEST(FlownAxis, RateLeadIsItsRecursion) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> between(-1, 1);
-  const auto draw = [&](Index rows, Index cols) {
-    return MatrixXd(0.3 * MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); }));
-  };
-  PeriodicLti plant;
-  plant.A = {draw(5, 5), draw(5, 5)};
-  plant.B = {draw(5, 1), draw(5, 1)};
-  plant.C = draw(4, 5);
-  plant.dt = 0.01;
+  const PeriodicLti plant = random_plant(random);
   const PeriodicLti extended = with_rate_lead(plant, 3, 2.5, 0.3);
   ASSERT_EQ(extended.A[0].rows(), 6);
-  VectorXd x = draw(5, 1), z = VectorXd::Zero(6);
+  VectorXd x = random_matrix(random, 5, 1), z = VectorXd::Zero(6);
   z.head(5) = x;
   double low_pass = 0;
   for (std::size_t k = 0; k < 60; ++k) {
