@@ -72,8 +72,8 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where);
 [[nodiscard]] DiscreteLti realize(const DiscreteTransferFunction& plant);
 
 /// Finite transmission zeros of one channel of a plant: the generalized eigenvalues of its system
-/// matrix [A - λI, b; c, d].
-/// @param output, input  the channel, counted from 0
+/// matrix [A - λI, b; c, d]. The channel leads from `input` to `output`, both counted from 0.
+///
 /// @throws InvalidInput  as validate(), or if the plant has no such channel
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const ContinuousLti& plant, Eigen::Index output,
                                                   Eigen::Index input);

@@ -15,8 +15,8 @@ inline constexpr int kCascadeSetPoints = 4;
 ///
 /// Inputs: the set points, then the 12 states of ned_convention(). Outputs: the wrench T [N],
 /// tau_x, tau_y, tau_z [N m]; T acts along body -z, so it is the negated command of the altitude
-/// loop. States: the integrals of the loops with Ki, in the order of the loops; then the low passes
-/// of the rates of the loops with rate_lead.
+/// loop. States: first the integrals of the loops with Ki, in the order of the loops; then, for each
+/// loop with rate_lead, the low-passed rate that its derivative is computed from.
 ///
 /// @param gains   loops named x, y, pitch, roll, yaw, altitude; a missing loop outputs 0
 /// @param method  of the integrals

@@ -24,9 +24,9 @@ template <class T>
   return {x, Eigen::Matrix<T, Eigen::Dynamic, 1>::Constant(filter.model.C.rows(), T(0))};
 }
 
-/// Estimate that includes the present measurement: e = y - C x, x + M e. Entries of y that are not
-/// finite are not used.
-/// @param y  (ny)
+/// Estimate that includes the present measurement y (ny): e = y - C x, x + M e. Entries of y that
+/// are not finite are not used.
+///
 /// @return   (nx)
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> correct(
@@ -43,10 +43,10 @@ template <class T>
   return estimate;
 }
 
-/// Predicts the next period: x ← A x + B u + L e. This advances the estimate x + M e and includes
-/// the correlation between process and measurement noise. Entries of u that are not finite count as
-/// 0.
-/// @param u  (nu)
+/// Predicts the next period from the input u (nu): x ← A x + B u + L e. This advances the estimate
+/// x + M e and includes the correlation between process and measurement noise. Entries of u that
+/// are not finite count as 0. If correct() was not called since the previous call, because nothing
+/// was measured, e is 0.
 template <class T>
 void predict(const KalmanFilter& filter, SteadyFilterState<T>& state,
              const Eigen::Matrix<T, Eigen::Dynamic, 1>& u) {

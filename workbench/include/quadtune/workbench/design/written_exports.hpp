@@ -32,9 +32,9 @@ using ExportWriter = std::function<std::vector<ManifestFile>(
 /// Writes every export of the design ([[export]]) and verifies the files. A single export is
 /// written to `directory` itself, several to one subfolder each, named after the kind of export.
 /// All exports are first created in memory: if one of them cannot represent the design, none is
-/// written.
-/// @param force  write parameters of a firmware although the margins are too small with its filters
-///               and delay (weak_loops()); the manifest then contains the reason
+/// written. With `force`, parameters of a firmware are also written if the margins are too small
+/// with its filters and delay (weak_loops()); the manifest then contains the reason.
+///
 /// @throws InvalidInput  if the design has no [[export]], or as export_files()
 /// @throws NoSolution    if a rotation loop is unstable with the filters and delays of a firmware;
 ///                       without `force`, also if its margins are too small
