@@ -45,7 +45,7 @@ FrequencyDataReport of_arrays(const Numbers& w, const ComplexNumbers& G,
   if (w.values.size() != G.values.size())
     throw OptionError("G", fmt::format("G has {} entries, expected {}, as w has", G.values.size(),
                                        w.values.size()));
-  const FrequencyData data{w.values, G.values};
+  FrequencyData data{w.values, G.values};
   validate(data, "w, G");
   return margins_of([&] { return data; }, {measured, controller, dt, delay, skew});
 }

@@ -16,6 +16,7 @@ using Words = std::vector<std::string>;
 
 std::vector<std::string> names_of(const std::vector<CompletedCommand>& commands) {
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const CompletedCommand& command : commands) names.push_back(command.name);
   return names;
 }

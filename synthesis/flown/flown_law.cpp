@@ -86,7 +86,7 @@ DiscreteLti with_memory(const DiscreteLti& law, const CommandMemory& memory, con
 
 DiscreteLti flown_law(const Vehicle& vehicle, const Gains& gains, double dt) {
   const StateFeedbackSettings<double> settings = state_feedback_settings(vehicle, gains, dt, {});
-  const DiscreteLti law = without_memory(settings, dt);
+  DiscreteLti law = without_memory(settings, dt);
   if (!gains.memory) return law;
   const auto rotors = static_cast<int>(vehicle.rotors.size());
   const MatrixXd W =

@@ -146,7 +146,7 @@ class Placement {
     const Eigen::Matrix2d T2 = T_.bottomRightCorner<2, 2>();
     const MatrixXd G = last_inputs(2);  // (2 × nu)
     const Eigen::JacobiSVD<MatrixXd> svd(G, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const Eigen::VectorXd sigma = svd.singularValues();
+    const Eigen::VectorXd& sigma = svd.singularValues();
     if (sigma[0] <= kUncontrollable * B_.norm()) {
       const VectorXcd now = internal::eigenvalues(T2);
       const double scale = std::max(std::abs(now[0]), 1e-300);

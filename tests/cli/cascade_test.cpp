@@ -250,7 +250,7 @@ TEST(Sensors, WithoutAGyroscopeTheMessageIsNotAboutAnOptionThatWasNotGiven) {
   std::string text = whole.str();
   const std::size_t from = text.find("[sensors.gyroscope]");
   ASSERT_NE(from, std::string::npos);
-  text.erase(from, text.find("[", from + 1) - from);
+  text.erase(from, text.find('[', from + 1) - from);
   const std::string file = folder.write("no_gyroscope.toml", text).string();
   const ProgramResult refused = run_program({"fly", file});
   EXPECT_EQ(refused.status, 3);

@@ -46,12 +46,14 @@ py::array_t<std::complex<double>> view(const std::vector<std::complex<double>>& 
 
 std::vector<std::string> names_of(const std::vector<Signal>& signals) {
   std::vector<std::string> names;
+  names.reserve(signals.size());
   for (const Signal& signal : signals) names.push_back(signal.name);
   return names;
 }
 
 std::vector<std::string> units_of(const std::vector<Signal>& signals) {
   std::vector<std::string> units;
+  units.reserve(signals.size());
   for (const Signal& signal : signals) units.push_back(signal.unit);
   return units;
 }

@@ -163,7 +163,7 @@ TEST(Folded, EveryTableFitsAtEightyColumns) {
     const std::string narrow = folded(wide, 80);
     std::istringstream lines(narrow);
     for (std::string line; std::getline(lines, line);) {
-      if (line.find("/") != std::string::npos) continue;  // a path may be longer
+      if (line.find('/') != std::string::npos) continue;  // a path may be longer
       const auto characters = std::count_if(line.begin(), line.end(), [](char c) {
         return (static_cast<unsigned char>(c) & 0xc0U) != 0x80;
       });
