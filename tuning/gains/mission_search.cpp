@@ -161,6 +161,7 @@ class Search {
     point.outcome = trial_.fly(*point.design.controller, options_.stop);
     point.cost = point.outcome.cost;
     std::vector<double> excess;
+    excess.reserve(point.design.limits.size());
     for (const DesignLimit& limit : point.design.limits) excess.push_back(limit.excess());
     for (const TrialLimit& limit : point.outcome.limits) excess.push_back(limit.excess());
     point.excess = Eigen::Map<Eigen::VectorXd>(excess.data(), std::ssize(excess));

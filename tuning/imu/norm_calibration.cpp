@@ -139,6 +139,7 @@ bool fit_and_refuse(Poses& poses, Vector& parameters) {
   double scale = 0;
   for (int round = 0; round < 3; ++round) {  // the scale is recomputed from the remaining residuals
     std::vector<double> sizes;
+    sizes.reserve(poses.all.size());
     for (const NormResidual& pose : poses.all) sizes.push_back(std::abs(value(pose, parameters)));
     const auto middle = sizes.begin() + std::ssize(sizes) / 2;
     std::nth_element(sizes.begin(), middle, sizes.end());

@@ -24,6 +24,7 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   ExportContent content = export_content(outcome);
   content.forced = reasons_against_export(outcome);
   std::vector<InputAtHand> inputs;
+  inputs.reserve(content.inputs.size());
   for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
   std::vector<std::vector<std::string>> notes;
   std::vector<std::string> weak;  // of each export, empty if its margins are sufficient

@@ -139,6 +139,7 @@ std::vector<std::string> flown_notes(const FlownLoop& loop) {
   std::vector<std::string> notes;
   if (!loop.drifts.empty()) {
     std::vector<std::string> names;
+    names.reserve(loop.drifts.size());
     for (const Signal& state : loop.drifts) names.push_back(state.name);
     notes.push_back(fmt::format(
         "the sensors that the estimator uses do not observe {}: {} from the true {}", joined(names),

@@ -84,6 +84,7 @@ Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
   options.convention = gains.convention;
   options.inputs = gains.input_kind;
   std::vector<std::string> states;
+  states.reserve(gains.states.size());
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
   return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, vehicle.name);

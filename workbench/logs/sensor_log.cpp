@@ -35,6 +35,7 @@ SensorLog read_sensors(const std::string& path, const std::vector<std::string>& 
                        const LogNote& note) {
   std::vector<ChannelPlace> places;
   std::vector<std::string> files;
+  places.reserve(names.size());
   for (const std::string& name : names) places.push_back(channel_place(name, path));
   if (!optional.empty()) files.push_back(path);
   for (const ChannelPlace& place : places)

@@ -98,6 +98,7 @@ window_s = 1
 
 std::vector<std::string> names(const FlightResult& result) {
   std::vector<std::string> all;
+  all.reserve(result.events.size());
   for (const LogEvent& event : result.events) all.push_back(event.name);
   return all;
 }
