@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `lqr V`: on the flown plant by default, on the ideal plant on request.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -198,11 +199,12 @@ TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
     const std::string file =
         folder
             .write(program + ".toml",
-                   "name = 'm'\nvehicle = '" + program +
-                       "'\n[lqr]\nplant = 'flown'\nstructure = 'matrix'\nconvention = '" + program +
-                       "'\ninputs = '" + (uquad ? "rotor-speed" : "wrench") + "'\ndt_s = " +
-                       (uquad ? "0.01" : "0.005") + "\n[[mission]]\nname = 'take-off-and-land'\n" +
-                       "[[export]]\nto = '" + program + "'\n")
+                   fmt::format("name = 'm'\nvehicle = '{0}'\n"
+                               "[lqr]\nplant = 'flown'\nstructure = 'matrix'\n"
+                               "convention = '{0}'\ninputs = '{1}'\ndt_s = {2}\n"
+                               "[[mission]]\nname = 'take-off-and-land'\n"
+                               "[[export]]\nto = '{0}'\n",
+                               program, uquad ? "rotor-speed" : "wrench", uquad ? 0.01 : 0.005))
             .string();
     const std::string out = (folder.path() / program).string();
     const ProgramResult made = run_program({"design", file, "-o", out, "--json"});

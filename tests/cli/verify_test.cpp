@@ -30,7 +30,7 @@ class VerifyManifest : public ::testing::Test {
     std::ostringstream text;
     text << file.rdbuf() << more;
     const std::string path = folder_.write(design + ".toml", text.str()).string();
-    const std::string out = (folder_.path() / ("out-" + design)).string();
+    std::string out = (folder_.path() / ("out-" + design)).string();
     const ProgramResult result = run_program({"design", path, "-o", out, "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
     return out;

@@ -12,7 +12,6 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
 using internal::MatArray;
 using testing::mambo_content;
 using testing::TemporaryDirectory;
@@ -60,7 +59,7 @@ TEST(MatExport, EveryKindOfValueHasItsClass) {
     "structs": [{"a": 1, "b": "x"}, {"a": 2, "b": "y"}], "mixed": [{"a": 1}, {"b": 2}, "z"],
     "wide": [[], []]})";
   const std::string bytes =
-      internal::mat_header("test") + internal::mat_of_json(Json::parse(text), "v");
+      internal::mat_header("test") + internal::mat_of_json(internal::Json::parse(text), "v");
   internal::MemoryBudget budget(std::size_t{1} << 20);
   const std::vector<MatArray> all = internal::parse_mat(bytes, "test", budget);
   ASSERT_EQ(all.size(), 1U);

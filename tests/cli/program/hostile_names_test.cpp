@@ -54,7 +54,7 @@ class HostileNames : public ::testing::Test {
     const ProgramResult result = run_program(args);
     EXPECT_THAT(expected, ::testing::Contains(result.status)) << args[0] << ": " << result.err;
     EXPECT_EQ(internal::visible_text(result.err), result.err);
-    const Json json = Json::parse(result.out, nullptr, false);
+    Json json = Json::parse(result.out, nullptr, false);
     EXPECT_FALSE(json.is_discarded()) << args[0] << ": " << result.out;
     return json;
   }
@@ -145,7 +145,7 @@ TEST(LastHandler, TellsWhatWouldTerminate) {
     // As from a thread or a destructor: nothing catches it.
     class Terminating : public std::streambuf {
       static void surprise() { throw std::logic_error("nobody catches this"); }
-      int_type underflow() noexcept override {
+      int_type underflow() noexcept override {  // NOLINT(bugprone-exception-escape): on purpose
         surprise();
         return traits_type::eof();
       }

@@ -202,7 +202,7 @@ TEST(Completion, ReadsTheWordsOfADescription) {
 TEST(Completion, OffersWhatIsBuiltInAndTheValuesOfOptions) {
   const std::string text = run_program({"help", "--completion"}).out;
   const std::size_t begin = text.find("    fly) ");
-  const std::string fly = text.substr(begin, text.find("\n", begin) - begin);
+  const std::string fly = text.substr(begin, text.find('\n', begin) - begin);
   EXPECT_THAT(fly, AllOf(HasSubstr("values=\"mambo rolling-spider uquad crazyflie\""),
                          HasSubstr("--mission) values=\"hover "), HasSubstr(" lemniscate "),
                          HasSubstr("--controller) values=\"cascaded-pid state-feedback firmware\""),

@@ -25,6 +25,7 @@ struct ScheduleCase {
 inline GainSchedule random_schedule(const ScheduleCase& of) {
   const auto signals = [](const std::string& name, int count, const char* unit) {
     std::vector<Signal> all;
+    all.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) all.push_back({name + std::to_string(i), unit});
     return all;
   };
