@@ -75,7 +75,8 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
   constexpr double kTime = 20;
   const double h = controller.dt / kParts;
   double angle = 1e-5, rate = 1e-4, torque = 0, early = 0, late = 0;
-  for (double t = 0; t < kTime; t += controller.dt) {
+  for (int k = 0; k * controller.dt < kTime; ++k) {
+    const double t = k * controller.dt;
     StateVector<double> x = StateVector<double>::Zero();
     x(3 + axis) = angle;
     x(9 + axis) = rate;
@@ -334,12 +335,12 @@ TEST(FirmwareLaw, ThrustAtItsLimitFillsNoIntegral) {
       Reference<double> high;
       high.position = {0, 0, -50};
       const StateVector<double> rest = StateVector<double>::Zero();
-      for (double t = 0; t < seconds; t += controller.dt) {
+      for (int k = 0; k * controller.dt < seconds; ++k) {
         const Eigen::VectorXd asked = law->command(at(rest), high);
         law->on_realized(asked, asked);
       }
       double thrust = 0;  // of a hover right after, its filters settled
-      for (double t = 0; t < 0.3; t += controller.dt) {
+      for (int k = 0; k * controller.dt < 0.3; ++k) {
         const Eigen::VectorXd asked = law->command(at(rest), Reference<double>());
         law->on_realized(asked, asked);
         thrust = asked(0);

@@ -42,7 +42,8 @@ Judged judged_periods(const Mission& mission, const std::vector<double>& times, 
   bool flew = false;
   double last_step = 0, squares = 0, flown = 0;
   std::size_t next = 0;
-  for (double t = 0; t <= duration + step && next < times.size(); t += step) {
+  for (int i = 0; i * step <= duration + step && next < times.size(); ++i) {
+    const double t = i * step;
     // With perfect tracking, all waypoints would be reached at once: the vehicle waits at the
     // first.
     const Reference<double> now = runner.at(t, believed);

@@ -427,9 +427,10 @@ TEST(MissionRunner, LandsAndSwitchesTheMotorsOff) {
 TEST(MissionRunner, LandsByContact) {
   const auto rests_at = [](double height, double until) {
     MissionRunner runner(landing_from_a_metre());
-    for (double t = 10; t < 11; t += 0.01) (void)runner.at(t, coming_down(1.3, 0.5));
+    for (int k = 0; k < 100; ++k) (void)runner.at(10 + 0.01 * k, coming_down(1.3, 0.5));
     FlightPhase phase = FlightPhase::flying;
-    for (double t = 11; t < until; t += 0.01) phase = runner.at(t, coming_down(height, 0)).phase;
+    for (int k = 0; 11 + 0.01 * k < until; ++k)
+      phase = runner.at(11 + 0.01 * k, coming_down(height, 0)).phase;
     return phase;
   };
   EXPECT_EQ(rests_at(0.4, 11.9), FlightPhase::flying);  // the reference is above the ground
@@ -441,8 +442,8 @@ TEST(MissionRunner, LandsByContact) {
 
 TEST(MissionRunner, NeverLandsInTheAirAVehicleThatDoesNotSink) {
   MissionRunner runner(landing_from_a_metre());
-  for (double t = 10; t < 30; t += 0.01)
-    ASSERT_EQ(runner.at(t, coming_down(1, 0.05)).phase, FlightPhase::flying) << t;
+  for (int k = 0; k < 2000; ++k)
+    ASSERT_EQ(runner.at(10 + 0.01 * k, coming_down(1, 0.05)).phase, FlightPhase::flying) << k;
 }
 
 TEST(MissionRunner, NeverLandsOnAnEstimateThatIsNotFinite) {

@@ -71,8 +71,8 @@ TEST(OwnEstimator, ThatReturnsTheTrueStateFliesAsTruthDoes) {
 /// The Mambo's own estimator behind the interface: it reads every sensor that the vehicle has.
 class OwnMambo : public FlightEstimator {
  public:
-  OwnMambo(MamboEstimatorSettings<double> settings, const EstimatorStart& start)
-      : settings_(std::move(settings)), state_(mambo_estimator_start(settings_, start.state)) {}
+  OwnMambo(const MamboEstimatorSettings<double>& settings, const EstimatorStart& start)
+      : settings_(settings), state_(mambo_estimator_start(settings_, start.state)) {}
   Estimate<double> update(const EstimatorInput& input) override {
     return step(settings_, state_, input.sensors);
   }
