@@ -199,7 +199,7 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
 void run_pid(const CommandLine& line, Options& options, Context& context) {
   if (options.vehicle.empty()) {
     line.refuse_given({"--method", "--plant", "--bandwidth", "--sensor-delay", "--structure",
-                       "--motor-lag", "--tracking-max", "--integral", "--free"},
+                       "--motor-lag", "--rate-lead", "--tracking-max", "--integral", "--free"},
                       "belongs to a vehicle; expected `pid V`");
     if (options.cascade.dt) require_positive(*options.cascade.dt, "pid", "--dt");
     if (line.was_given("--integrator") && !options.cascade.dt)
@@ -262,6 +262,11 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
                   "with --for: version of the firmware; default: the newest known one");
   line.add_option("--setup NAME", options.firmware.setup,
                   "with --for crazyflie: standard (default), legacy, thrust-kit or brushless");
+  line.add_number(
+      "--rate-lead S", options.rate_lead,
+      "with V: lead of the rate in the roll and pitch loops [s], which compensates a part "
+      "of the motor lag; default: half the motor lag with --for px4 or ardupilot, "
+      "otherwise 0");
   line.add_number("--motor-lag S", options.motor_lag,
                   "with V: time constant of the motor lag [s]; default: that of the vehicle");
   line.add_number("--tracking-max M", options.tracking_max,

@@ -61,7 +61,8 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
                {"tracking_max"},
                {"integral"},
                {"structure"},
-               {"published"}});
+               {"published"},
+               {"rate_lead", "s"}});
   constexpr Range kMoreThanOne = {1, Range::Bound::open, 0, Range::Bound::none};
   CascadeSpecification specification;
   specification.dt = dt;

@@ -163,7 +163,7 @@ VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
                           Number tracking_max, const std::optional<Names>& integral,
                           const std::optional<std::string>& integrator, bool free,
                           const std::optional<std::string>& for_firmware,
-                          const std::string& firmware, const std::string& setup) {
+                          const std::string& firmware, const std::string& setup, Number rate_lead) {
   const auto text = [](const std::optional<ByLoop>& by_loop) {
     return by_loop ? std::optional(by_loop->text) : std::nullopt;
   };
@@ -183,6 +183,7 @@ VehicleCascade of_vehicle(const VehicleWord& word, const std::string& method,
   options.for_firmware = for_firmware;
   options.firmware.version = firmware;
   options.firmware.setup = setup;
+  options.rate_lead = rate_lead;
   return long_call(
       [&](const Stop&) { return vehicle_cascade(load_vehicle(word.text), options, word.text); });
 }
@@ -312,7 +313,7 @@ void add_cascade(py::module_& module) {
       "bandwidth"_a = py::none(), "sensor_delay"_a = py::none(), "motor_lag"_a = py::none(),
       "tracking_max"_a = py::none(), "integral"_a = py::none(), "integrator"_a = py::none(),
       "free"_a = false, "for_firmware"_a = py::none(), "firmware"_a = "", "setup"_a = "",
-      py::prepend(),
+      "rate_lead"_a = py::none(), py::prepend(),
       "PID gains for a vehicle's cascade.\n\n"
       "method: \"flown\" (all gains at once on the flown plant) or \"loops\". plant: \"flown\"\n"
       "or \"ideal\", the textbook plant. dt > 0: control period [s], by default that of the\n"
@@ -323,9 +324,10 @@ void add_cascade(py::module_& module) {
       "default all. integrator: \"euler\" (default), \"backward-euler\" or \"tustin\". free:\n"
       "without the bounds of the published gains. for_firmware: \"px4\", \"ardupilot\",\n"
       "\"betaflight\" or \"crazyflie\", whose loops must have margins as well, with its version\n"
-      "firmware and, for a Crazyflie, its setup. Raises NoSolution with the loop that cannot\n"
-      "be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be\n"
-      "read.");
+      "firmware and, for a Crazyflie, its setup. rate_lead >= 0: lead of the rate in the roll\n"
+      "and pitch loops [s], by default half the motor lag for PX4 and ArduPilot, otherwise 0.\n"
+      "Raises NoSolution with the loop that cannot be had, InvalidInput for a wrong argument,\n"
+      "FileError if the vehicle's file cannot be read.");
 }
 
 }  // namespace

@@ -162,6 +162,50 @@ TEST(PidOfAVehicle, SaysTheHighestBandwidthThatCanBeHad) {
   EXPECT_EQ(run_program({"pid", "mambo", "--bandwidth", "roll=114"}).status, 0);
 }
 
+TEST(PidOfAVehicle, HasALeadOnRequest) {
+  const Json loops = cascade_json({"pid", "crazyflie", "--rate-lead", "0.01"})["loops"];
+  for (const Json& loop : loops) {
+    const bool tilt = loop["name"] == "roll" || loop["name"] == "pitch";
+    EXPECT_EQ(loop.contains("rate_lead_s"), tilt) << loop;
+    if (!tilt) continue;
+    EXPECT_EQ(loop["rate_lead_s"], 0.01);
+    EXPECT_EQ(loop["rate_filter_s"], 0.0025);
+  }
+  const testing::TemporaryDirectory folder;
+  const std::string file =
+      folder
+          .write("lead.toml",
+                 "name = 'lead'\nvehicle = 'crazyflie'\n[cascade]\ndt_s = " +
+                     cascade_json({"pid", "crazyflie"})["dt"].dump() +
+                     "\n[cascade.design]\nrate_lead_s = 0.01\n[[export]]\nto = 'json'\n")
+          .string();
+  const std::string out = (folder.path() / "out").string();
+  const ProgramResult designed = run_program({"design", file, "-o", out});
+  ASSERT_EQ(designed.status, 0) << designed.err;
+  std::ifstream stored(out + "/gains.json");
+  const Json designed_loops = Json::parse(stored)["cascade"]["loops"];
+  ASSERT_EQ(designed_loops.size(), loops.size());
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    for (const char* key : {"name", "Kp", "Ki", "Kd", "rate_lead_s", "rate_filter_s"})
+      EXPECT_EQ(designed_loops[i].value(key, Json(0)), loops[i].value(key, Json(0))) << key;
+}
+
+TEST(PidOfAVehicle, RefusesALeadThatItCannotDesign) {
+  const auto said = [](std::vector<std::string> options) {
+    options.insert(options.begin(), "pid");
+    const ProgramResult refused = run_program(options);
+    EXPECT_EQ(refused.status, 2);
+    return refused.err;
+  };
+  EXPECT_THAT(said({"mambo", "--rate-lead", "2"}),
+              HasSubstr("--rate-lead is 2 s, expected 0 to 1"));
+  EXPECT_THAT(said({"mambo", "--rate-lead", "nan"}), HasSubstr("--rate-lead"));
+  EXPECT_THAT(said({"mambo", "--rate-lead", "0.01", "--Ms-max", "1.5"}),
+              HasSubstr("--rate-lead requires the flown plant"));
+  EXPECT_THAT(said({"--num", "1", "--den", "1,1", "--rate-lead", "0.01"}),
+              HasSubstr("--rate-lead belongs to a vehicle"));
+}
+
 TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
   const testing::TemporaryDirectory folder;
   const std::string head = "name = \"c\"\nvehicle = \"mambo\"\n[cascade]\ndt_s = 0.005\n";

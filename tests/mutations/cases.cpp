@@ -156,7 +156,7 @@ std::string complaint(const Command& command, const testing::ProgramResult& resu
 std::string typed(const Command& command, const std::string& folder) {
   std::string line = "quadtune";
   for (std::string word : command) {
-    if (word.starts_with("@")) word = folder + word.substr(1);
+    if (word.starts_with("@")) word.replace(0, 1, folder);
     std::string safe;
     bool plain = !word.empty();
     for (const char c : word) {
@@ -168,7 +168,7 @@ std::string typed(const Command& command, const std::string& folder) {
       else
         safe += c;
     }
-    line += " " + (plain ? word : "$'" + safe + "'");
+    line += plain ? fmt::format(" {}", word) : fmt::format(" $'{}'", safe);
   }
   return line;
 }
@@ -176,7 +176,7 @@ std::string typed(const Command& command, const std::string& folder) {
 testing::ProgramResult run_command(const Command& command, const std::string& folder) {
   Command words = command;
   for (std::string& word : words)
-    if (word.starts_with("@")) word = folder + word.substr(1);
+    if (word.starts_with("@")) word.replace(0, 1, folder);
   if (words.empty() || words[0] != "(library)") return testing::run_program(words);
   testing::ProgramResult result;
   try {

@@ -114,7 +114,7 @@ void change_column(Table& table, Random& random) {
   if (rows.empty()) return;
   const std::size_t columns = table.rows[rows[0]].size();
   const auto column = static_cast<std::ptrdiff_t>(random.below(columns));
-  const std::string odd = random.of(odd_numbers());
+  std::string odd = random.of(odd_numbers());
   switch (random.below(8)) {
     case 0:
       change_clock(table, 0, random);

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/design/design.hpp"
@@ -79,6 +80,26 @@ TEST(FirmwareGains, LeadOfTheRateMakesSlowMotorsFaster) {
                 .loops[index_of(CascadeAxis::roll)]
                 .rate_lead,
             0);
+}
+
+TEST(FirmwareGains, LeadOnRequestReplacesTheOneThatIsChosen) {
+  Vehicle vehicle = quad_450();
+  for (Rotor& rotor : vehicle.rotors) rotor.lag = rotor.lag_down = 0.078;
+  const auto roll_of = [&](const std::vector<Firmware>& firmwares, std::optional<double> lead) {
+    FlownGainsOptions options;
+    options.rate_lead = lead;
+    return as_cascade(firmware_gains(vehicle, firmwares, options), options.dt)
+        .loops[index_of(CascadeAxis::roll)];
+  };
+  const PidLoop without = roll_of({}, {}), with = roll_of({}, 0.039);
+  EXPECT_EQ(without.rate_lead, 0);
+  EXPECT_EQ(with.rate_lead, 0.039);
+  EXPECT_DOUBLE_EQ(with.rate_filter, 0.039 / 4);
+  EXPECT_GT(with.Kp, 1.2 * without.Kp);
+  EXPECT_EQ(roll_of({firmware(FirmwareKind::px4, {}, "test")}, 0).rate_lead, 0);
+  const PidLoop betaflight = roll_of({firmware(FirmwareKind::betaflight, {}, "test")}, 0.02);
+  EXPECT_EQ(betaflight.rate_lead, 0.02);
+  EXPECT_GT(betaflight.rate_filter, 0);
 }
 
 TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {

@@ -126,6 +126,9 @@ CascadeSpecification cascade_specification(const CascadeOptions& options, const 
   if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kMaxLag))
     throw OptionError("motor-lag", fmt::format("motor-lag is {} s, expected 0 to {} s",
                                                number(*options.motor_lag), number(kMaxLag)));
+  if (options.rate_lead && !(*options.rate_lead >= 0 && *options.rate_lead <= kMaxLag))
+    throw OptionError("rate-lead", fmt::format("rate-lead is {} s, expected 0 to {} s",
+                                               number(*options.rate_lead), number(kMaxLag)));
   specification.lag = options.motor_lag;
   read_sensor_delays(options.sensor_delay.value_or(""), specification);
   read_bandwidths(options.bandwidth.value_or(""), specification);

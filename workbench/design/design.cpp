@@ -159,14 +159,24 @@ void complete(MissionRequest& mission, const Design& design) {
 }
 
 /// Gains designed on the flown plant if this is the default and a solution exists.
-std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double dt,
+std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle,
+                                                 const CascadeDesign& cascade,
                                                  const std::vector<Firmware>& firmwares) {
-  if (!usually_on_flown_plant(vehicle)) return std::nullopt;
+  if (!usually_on_flown_plant(vehicle)) {
+    if (cascade.rate_lead)
+      throw InvalidInput(vehicle.name,
+                         "cascade.design.rate_lead_s requires a design on the flown plant, but the "
+                         "loops of this vehicle are designed one by one, because its position "
+                         "comes only from a satellite receiver below 5 Hz");
+    return std::nullopt;
+  }
   FlownGainsOptions options;
-  options.dt = dt;
+  options.dt = cascade.gains.dt;
+  options.rate_lead = cascade.rate_lead;
   try {
-    return as_cascade(firmware_gains(vehicle, firmwares, options), dt);
+    return as_cascade(firmware_gains(vehicle, firmwares, options), options.dt);
   } catch (const NoSolution&) {
+    if (cascade.rate_lead) throw;
     return std::nullopt;
   }
 }
@@ -188,7 +198,7 @@ bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade,
                      const std::vector<Firmware>& firmwares) {
   (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
   CascadeController flown;
-  if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt, firmwares)) {
+  if (auto gains = gains_on_flown_plant(vehicle, cascade, firmwares)) {
     cascade.gains = std::move(*gains);
     flown.attitude_limit = kDesignedAttitudeLimit;
   } else {

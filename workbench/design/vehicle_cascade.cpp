@@ -92,17 +92,19 @@ std::vector<Firmware> firmware_of(const CascadeOptions& options) {
 }
 
 FlownGains cascade_on_flown_plant(const Vehicle& vehicle, const CascadeSpecification& specification,
-                                  const std::vector<Firmware>& firmwares, bool asked_for_dt) {
+                                  const std::vector<Firmware>& firmwares,
+                                  const CascadeOptions& asked) {
   FlownGainsOptions options;
   options.dt = specification.dt;
   options.structure = specification.structure;
+  options.rate_lead = asked.rate_lead;
   try {
     return firmware_gains(vehicle, firmwares, options);
   } catch (const OptionError&) {
     throw;
   } catch (const InvalidInput& error) {
     // The period may be too short for the estimator.
-    if (!asked_for_dt || error.where() != "estimator general") throw;
+    if (!asked.dt || error.where() != "estimator general") throw;
     throw OptionError("dt", fmt::format("dt: {}", error.what()));
   }
 }
@@ -135,9 +137,12 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
     throw OptionError("for",
                       "for requires the flown plant, expected --method flown, because the "
                       "loop-by-loop rules have no filters");
+  if (options.rate_lead && !on_flown_plant)
+    throw OptionError("rate-lead",
+                      "rate-lead requires the flown plant, expected --method flown, because the "
+                      "loop-by-loop rules have no lead");
   if (on_flown_plant) {
-    result.flown =
-        cascade_on_flown_plant(vehicle, specification, firmwares, options.dt.has_value());
+    result.flown = cascade_on_flown_plant(vehicle, specification, firmwares, options);
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
                                            specification.method, where);
   } else {

@@ -75,22 +75,34 @@ std::array<WorstTurn, kFlownAxes.size()> worst_turns(const Vehicle& vehicle,
   return worst;
 }
 
-/// Lets the roll and pitch loops act on the derivative of the rate if all firmwares filter it, which
-/// compensates a part of the motor lag.
-void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
-                 FlownGainsOptions& options) {
-  // Near the ratio of the defaults, D/P of 20 to 27 ms for motors of 40 to 60 ms. A larger lead
-  // amplifies more of the gyroscope's noise.
-  constexpr double kShareOfLag = 0.5;
+/// The time constant of the filters before the derivative of the rate of roll [s], the longest of
+/// the firmwares; 0 without a firmware.
+double derivative_filter(const std::vector<Firmware>& firmwares) {
   double filter = 0;
-  for (const Firmware& firmware : firmwares) {
-    if (firmware.kind != FirmwareKind::px4 && firmware.kind != FirmwareKind::ardupilot) return;
+  for (const Firmware& firmware : firmwares)
     filter = std::max(filter, internal::derivative_time(firmware, CascadeAxis::roll,
                                                         ParameterValues(firmware, {})));
+  return filter;
+}
+
+/// Lets the roll and pitch loops act on the derivative of the rate if that is asked for or if all
+/// firmwares filter it, which compensates a part of the motor lag.
+void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
+                 FlownGainsOptions& options) {
+  const double filter = derivative_filter(firmwares);
+  if (!options.rate_lead && filter > 0 &&
+      std::all_of(firmwares.begin(), firmwares.end(), [](const Firmware& firmware) {
+        return firmware.kind == FirmwareKind::px4 || firmware.kind == FirmwareKind::ardupilot;
+      })) {
+    // Near the ratio of the defaults, D/P of 20 to 27 ms for motors of 40 to 60 ms. A larger lead
+    // amplifies more of the gyroscope's noise.
+    constexpr double kShareOfLag = 0.5;
+    options.rate_lead = kShareOfLag * internal::rotor_lag(vehicle);
   }
-  if (!(filter > 0)) return;
-  options.rate_lead = kShareOfLag * internal::rotor_lag(vehicle);
-  options.rate_filter = filter;
+  if (options.rate_lead.value_or(0) == 0 || options.rate_filter > 0) return;
+  // That of the defaults of PX4 and ArduPilot, 20 ms to 5.3 ms and 27 ms to 8 ms.
+  constexpr double kLeadPerFilter = 4;
+  options.rate_filter = firmwares.empty() ? *options.rate_lead / kLeadPerFilter : filter;
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ AxisLaw law_of(FlownAxis axis, const FlownGainsOptions& options) {
   law.now = options.now;
   law.structure = options.structure;
   if (states_of(axis).size() == 4) {
-    law.rate_lead = options.rate_lead;
+    law.rate_lead = options.rate_lead.value_or(0);
     law.rate_filter = options.rate_filter;
   }
   return law;

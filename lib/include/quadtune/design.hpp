@@ -105,6 +105,9 @@ struct CascadeDesign {
   CascadeGains gains;
   /// Requirements; set if the file requests that gains be designed.
   std::optional<CascadeSpecification> specification;
+  /// Lead of the rate in the roll and pitch loops [s] for gains that are designed on the flown plant;
+  /// none: chosen by the design.
+  std::optional<double> rate_lead = {};
   PidMethod method = PidMethod::forward_euler;  ///< of the integrals, given or designed
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]

@@ -161,6 +161,13 @@ TEST(Design, ReadsWhatIsAskedOfACascade) {
   EXPECT_EQ(asked.requirements[3].Ms_max, 1.6);
   EXPECT_EQ(asked.requirements[3].tracking_max, 1.2);
   EXPECT_FALSE(asked.use_published);
+  EXPECT_FALSE(design.cascade->rate_lead.has_value());
+}
+
+TEST(Design, KeepsTheFlownPlantWithALead) {
+  const Design design = parse(kCascadeHead + "[cascade.design]\nrate_lead_s = 0.02\n");
+  EXPECT_EQ(design.cascade->rate_lead, 0.02);
+  EXPECT_FALSE(design.cascade->specification.has_value());
 }
 
 TEST(Design, RefusesACascadeThatIsAskedWrongly) {
@@ -188,6 +195,9 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("[cascade.design]\nbandwidth_rad_per_s = { roll = 315 }\n"),
               HasSubstr("314.159"));
   EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
+  EXPECT_THAT(said("[cascade.design]\nrate_lead_s = 0.02\nMs_max = 1.6\n"),
+              HasSubstr("rate_lead_s requires a design on the flown plant, expected no other key"));
+  EXPECT_THAT(said("[cascade.design]\nrate_lead_s = -0.02\n"), HasSubstr("0 to 1"));
 }
 
 TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {

@@ -27,6 +27,9 @@ struct CascadeOptions {
   /// loops of this firmware (firmware_gains()); none: no firmware. Only on the flown plant.
   std::optional<std::string> for_firmware = {};
   FirmwareOptions firmware = {};  ///< version and set-up of that firmware
+  /// Lead of the rate in the roll and pitch loops [s], 0 to kMaxLag (PidLoop::rate_lead), only on
+  /// the flown plant; none: as firmware_gains() chooses, 0 without a firmware.
+  std::optional<double> rate_lead = {};
 
   // Options of the loops.
   std::optional<double> Ms_max = {};  ///< of every loop, > 1

@@ -19,7 +19,10 @@ namespace quadtune {
 /// times; what is still exceeded then is reported in the notes.
 /// @param vehicle    valid
 /// @param firmwares  any number; the structure is p_pi if one of them needs it
-/// @param options    as for flown_gains(); a p_pi of the firmwares replaces the structure
+/// @param options    as for flown_gains(); a p_pi of the firmwares replaces the structure. Without
+///                   `rate_lead`, roll and pitch get a lead of half the motor lag if every firmware
+///                   is PX4 or ArduPilot. With a lead, a `rate_filter` of 0 becomes that of the
+///                   firmwares, or without a firmware a quarter of the lead.
 /// @throws InvalidInput, OptionError, NoSolution  as flown_gains()
 /// @throws InvalidInput  as firmware_parameters(), e.g. if a firmware cannot mix the rotors
 [[nodiscard]] FlownGains firmware_gains(const Vehicle& vehicle,

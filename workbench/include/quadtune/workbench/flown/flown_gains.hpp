@@ -61,10 +61,10 @@ struct FlownGainsOptions {
   /// p_pi: every loop of the cascade must be representable as a gain followed by a PI controller of
   /// the rate.
   CascadeStructure structure = CascadeStructure::pid;
-  /// As PidLoop::rate_lead and rate_filter of the roll and pitch loops [s]: a lead near the motor
-  /// lag compensates a part of it.
-  double rate_lead = 0;
-  double rate_filter = 0;                    ///< [s]
+  /// As PidLoop::rate_lead of the roll and pitch loops [s], ≥ 0: a lead near the motor lag
+  /// compensates a part of it. None: 0, or what firmware_gains() chooses.
+  std::optional<double> rate_lead = {};
+  double rate_filter = 0;                    ///< as PidLoop::rate_filter [s], ≥ 0
   std::optional<StandardAxes> weights = {};  ///< none: standard_axes()
   std::string estimator = "";                ///< as flown_family()
 };
