@@ -34,7 +34,7 @@ Gains random_gains(std::mt19937_64& random, int past) {
   gains.input_kind = InputKind::wrench;
   gains.dt = 0.005;
   gains.memory = CommandMemory{Eigen::Vector4d(0.02, 0.03, 0.05, 0.08), 0.1 * draw(random, 4, 4),
-                               past, 0.1 * draw(random, 4, 4 * past)};
+                               past, 0.1 * draw(random, 4, Eigen::Index{4} * past)};
   return gains;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The options of the Riccati solvers reach every design that is built on them.
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <cmath>
 #include <functional>
@@ -183,9 +185,9 @@ TEST(RiccatiOptionsReach, RejectsOptionsOutOfRange) {
     for (const int value : {0, -1})
       expect_rejected(design, {.max_iterations = value},
                       "max_iterations is " + std::to_string(value) + ", expected >= 1");
-    const std::string n = std::to_string(design.states);
-    expect_rejected(design, {.state_names = {"x", "y"}},
-                    "state_names has 2 names, expected " + n + " (A is " + n + "x" + n + ")");
+    expect_rejected(
+        design, {.state_names = {"x", "y"}},
+        fmt::format("state_names has 2 names, expected {0} (A is {0}x{0})", design.states));
   }
   ActuatorLqiOptions options;
   options.riccati.relative_tolerance = nan;
