@@ -105,9 +105,6 @@ struct CascadeDesign {
   CascadeGains gains;
   /// Requirements; set if the file requests that gains be designed.
   std::optional<CascadeSpecification> specification;
-  /// Lead of the rate in the roll and pitch loops [s] for gains that are designed on the flown plant;
-  /// none: chosen by the design.
-  std::optional<double> rate_lead = {};
   PidMethod method = PidMethod::forward_euler;  ///< of the integrals, given or designed
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]
@@ -115,6 +112,9 @@ struct CascadeDesign {
   double takeoff_time = 0;             ///< constant thrust (1 + takeoff_gain) m g at the start [s]
   bool velocity_feed_forward = false;  ///< CascadedPidSettings::velocity_feed_forward
   bool conditional_integration = false;  ///< CascadedPidSettings::conditional_integration
+  /// Lead of the rate in the roll and pitch loops [s] for gains that are designed on the flown plant;
+  /// none: chosen by the design.
+  std::optional<double> rate_lead = {};
 };
 
 /// Files to export from the design.
