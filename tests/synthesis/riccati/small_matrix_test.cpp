@@ -28,7 +28,8 @@ Rows as_matrix(const VectorStorage<V>& M, int rows, int columns) {
 }
 template <int kRows, int kVectors>
 Rows as_matrix(const Tile<V, kRows, kVectors>& tile) {
-  return Eigen::Map<const Rows>(reinterpret_cast<const double*>(tile.at), kRows, Eigen::Index{4} * kVectors);
+  return Eigen::Map<const Rows>(reinterpret_cast<const double*>(tile.at), kRows,
+                                Eigen::Index{4} * kVectors);
 }
 
 TEST(SmallMatrix, VectorsHaveTheArithmeticOfTheirElements) {
