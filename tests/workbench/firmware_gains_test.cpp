@@ -97,9 +97,6 @@ TEST(FirmwareGains, LeadOnRequestReplacesTheOneThatIsChosen) {
   EXPECT_DOUBLE_EQ(with.rate_filter, 0.039 / 4);
   EXPECT_GT(with.Kp, 1.2 * without.Kp);
   EXPECT_EQ(roll_of({firmware(FirmwareKind::px4, {}, "test")}, 0).rate_lead, 0);
-  const PidLoop betaflight = roll_of({firmware(FirmwareKind::betaflight, {}, "test")}, 0.02);
-  EXPECT_EQ(betaflight.rate_lead, 0.02);
-  EXPECT_GT(betaflight.rate_filter, 0);
 }
 
 TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {
