@@ -2076,7 +2076,7 @@ def margins(*, frd: Path, measured: str = 'loop', controller: Optional[Controlle
     cannot be read, and InvalidInput with "file:line"."""
 
 @overload
-def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional[float] = None, structure: Optional[str] = None, Ms_max: Optional[float] = None, bandwidth: Optional[ByLoop] = None, sensor_delay: Optional[ByLoop] = None, motor_lag: Optional[float] = None, tracking_max: Optional[float] = None, integral: Optional[Names] = None, integrator: Optional[str] = None, free: bool = False, for_firmware: Optional[str] = None, firmware: str = '', setup: str = '') -> Cascade:
+def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional[float] = None, structure: Optional[str] = None, Ms_max: Optional[float] = None, bandwidth: Optional[ByLoop] = None, sensor_delay: Optional[ByLoop] = None, motor_lag: Optional[float] = None, tracking_max: Optional[float] = None, integral: Optional[Names] = None, integrator: Optional[str] = None, free: bool = False, for_firmware: Optional[str] = None, firmware: str = '', setup: str = '', rate_lead: Optional[float] = None) -> Cascade:
     """PID gains for a vehicle's cascade.
 
     method: "flown" (all gains at once on the flown plant) or "loops". plant: "flown"
@@ -2088,9 +2088,10 @@ def pid(vehicle: VehicleLike, *, method: str = '', plant: str = '', dt: Optional
     default all. integrator: "euler" (default), "backward-euler" or "tustin". free:
     without the bounds of the published gains. for_firmware: "px4", "ardupilot",
     "betaflight" or "crazyflie", whose loops must have margins as well, with its version
-    firmware and, for a Crazyflie, its setup. Raises NoSolution with the loop that cannot
-    be had, InvalidInput for a wrong argument, FileError if the vehicle's file cannot be
-    read."""
+    firmware and, for a Crazyflie, its setup. rate_lead >= 0: lead of the rate in the roll
+    and pitch loops [s], by default half the motor lag for PX4 and ArduPilot, otherwise 0.
+    Raises NoSolution with the loop that cannot be had, InvalidInput for a wrong argument,
+    FileError if the vehicle's file cannot be read."""
 @overload
 def pid(*, num: Numbers, den: Numbers, delay: float = 0.0, type: str = 'PID', crossover: Optional[float] = None, phase_margin: Optional[float] = None, Tf: Optional[float] = None, rule: Optional[str] = None, tau_c: Optional[float] = None, Ms_max: Optional[float] = None, Mt_max: Optional[float] = None, noise_gain_max: Optional[float] = None, dt: Optional[float] = None, integrator: Optional[str] = None) -> Pid:
     """PID gains for a transfer function, in one of three ways.

@@ -82,6 +82,7 @@ def test_a_wrong_argument_without_a_plant_is_named(words, where):
     ({"bandwidth": {"roll": 25.5, "x": 2}, "integral": ["x", "y", "altitude"]},
      ["--bandwidth", "roll=25.5,x=2", "--integral", "x,y,altitude"]),
     ({"for_firmware": "px4", "firmware": "1.15"}, ["--for", "px4", "--firmware", "1.15"]),
+    ({"rate_lead": 0.01}, ["--rate-lead", "0.01"]),
 ])
 def test_the_cascade_of_a_vehicle_is_that_of_the_program(words, options):
     cascade = quadtune.pid("mambo", **words)
