@@ -9,7 +9,7 @@ ShardWork fly_campaign_shard(const CampaignPlan& plan, const std::string& folder
                              std::uint32_t shard, std::size_t threads, const CampaignWatch& watch) {
   const DrawRange draws = shard_draws(plan.campaign.flights, plan.shards, shard);
   const std::uint64_t all = std::uint64_t{draws.end - draws.begin} * plan.campaign.cases.size();
-  const ShardWork work = fly_shard(
+  ShardWork work = fly_shard(
       plan.campaign, folder_of(plan, folder), shard, threads,
       [&](std::uint64_t flown, std::uint64_t missing) {
         if (watch.progress) watch.progress({flown, missing, all});

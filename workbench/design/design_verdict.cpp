@@ -80,6 +80,7 @@ std::vector<std::string> design_notes(const DesignOutcome& outcome) {
 MissionDiagnoses diagnose_missions(const DesignOutcome& outcome) {
   const auto each = [](const std::vector<FlownFlight>& flights) {
     std::vector<std::optional<Diagnosis>> found;
+    found.reserve(flights.size());
     for (const FlownFlight& flight : flights)
       found.push_back(flight.passed ? std::nullopt : std::optional(diagnose(flight.plan, flight)));
     return found;

@@ -96,8 +96,11 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < report.loops.size(); ++i) {
     const LoopMargins& m = report.loops[i];
-    const std::string name = report.loops.size() > 1 ? "loop " + report.names[i] : "the loop";
-    const auto warn = [&](const std::string& what) { warnings.push_back(name + ": " + what); };
+    const std::string name =
+        report.loops.size() > 1 ? fmt::format("loop {}", report.names[i]) : "the loop";
+    const auto warn = [&](const std::string& what) {
+      warnings.push_back(fmt::format("{}: {}", name, what));
+    };
     if (!m.stable) {
       warnings.push_back(name + " is unstable when closed, so that it has no margins");
       continue;

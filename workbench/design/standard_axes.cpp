@@ -45,6 +45,7 @@ StandardAxes standard_axes(const Vehicle& vehicle) {
 
 std::vector<std::string> standard_integrals() {
   std::vector<std::string> names;
+  names.reserve(kFlownAxes.size());
   for (const FlownAxis axis : kFlownAxes)
     names.push_back(
         ned_convention().states[static_cast<std::size_t>(states_of(axis).front())].name);

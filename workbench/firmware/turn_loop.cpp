@@ -64,7 +64,7 @@ Filters filters_of(const Firmware& firmware, const FirmwareLoop& loop,
 
 /// The speed of each rotor when all carry the same share of the weight [rad/s].
 VectorXd hover_speeds(const Vehicle& vehicle) {
-  const double share = vehicle.mass * vehicle.gravity / std::ssize(vehicle.rotors);
+  const double share = vehicle.mass * vehicle.gravity / static_cast<double>(vehicle.rotors.size());
   VectorXd speeds(std::ssize(vehicle.rotors));
   for (Index i = 0; i < speeds.size(); ++i)
     speeds(i) = rotor_speed_for_thrust(vehicle.rotors[static_cast<std::size_t>(i)], share);

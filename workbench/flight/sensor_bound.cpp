@@ -255,6 +255,7 @@ std::vector<std::string> used_by(const Sensors& sensors, const SensorBoundOption
 std::vector<double> bound_times(double duration) {
   const double spacing = duration / (kOutputs - 0.5);
   std::vector<double> times;
+  times.reserve(kOutputs);
   for (int k = 0; k < kOutputs; ++k) times.push_back((k + 0.5) * spacing);
   return times;
 }

@@ -58,7 +58,7 @@ std::vector<GainProductBound> structure_bounds(const AxisLaw& law) {
 /// The part of the plant of a member that the law sees, with the lead of the tilt loop's rate.
 PeriodicLti part_of(const FlownFamilyMember& member, const AxisLaw& law) {
   constexpr Index kRate = 3;
-  const PeriodicLti part = axis_part(member.plant, law.axis);
+  PeriodicLti part = axis_part(member.plant, law.axis);
   if (law.rate_lead == 0) return part;
   const double sum = law.rate_filter + part.dt;
   return with_rate_lead(part, kRate, law.rate_lead / sum, part.dt / sum);

@@ -141,8 +141,10 @@ class SteadyPass {
   void run_two_states(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                       LikelihoodSums<N>& sums, double* numbers) {
     const double* const map = steady.forward.data();
-    const Vector<8> by_x0 = reinterpret_cast<const Lanes<8>*>(map + 8 * (4 + u_size))->v;
-    const Vector<8> by_x1 = reinterpret_cast<const Lanes<8>*>(map + 8 * (5 + u_size))->v;
+    const Vector<8> by_x0 =
+        reinterpret_cast<const Lanes<8>*>(map + Eigen::Index{8} * (4 + u_size))->v;
+    const Vector<8> by_x1 =
+        reinterpret_cast<const Lanes<8>*>(map + Eigen::Index{8} * (5 + u_size))->v;
     Vector<8> out = {0, 0, 0, 0, state_.x.at[0], state_.x.at[1], 0, 0}, squares = {};
     for (; k < stop; k += 4) {
       const double* column = map;

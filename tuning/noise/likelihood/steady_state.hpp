@@ -95,7 +95,8 @@ struct SteadyState {
     const Eigen::Index e_rows = innovation_rows(), inputs = block * (ny + nu);
     forward.setZero(rows(N), inputs + N);
     forward_slope.assign(p, {});
-    for (Eigen::MatrixXd& map : forward_slope) map.setZero(forward.rows(), inputs + 2 * N);
+    for (Eigen::MatrixXd& map : forward_slope)
+      map.setZero(forward.rows(), inputs + Eigen::Index{2} * N);
     std::vector<double> unit(static_cast<std::size_t>(inputs + N));
     std::vector<Column<N>> x_slope(p);
     for (Eigen::Index column = 0; column < inputs + N; ++column) {
