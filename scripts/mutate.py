@@ -4,17 +4,20 @@
 
 Each mutant is one small change of one line: an operator, a comparison, a constant, a sign, a returned
 value. It is made in a copy of the sources under build/mutate, built there, and the test programs of
-its folder run. A failing test or one without an end kills it; a mutant that does not compile is
-counted apart, and another one takes its place. What survives stands in build/mutate/report.md. A
-survivor that behaves as the original does is explained in scripts/mutants.txt: file, line, changed
-line and reason, separated by tabs.
+its folder run. There is one copy per processor, and as many mutants are judged at once. A failing
+test or one without an end kills a mutant; one that does not compile is counted apart, and another
+takes its place. What survives stands in build/mutate/report.md. A survivor that behaves as the
+original does is explained in scripts/mutants.txt: file, line, changed line and reason, separated by
+tabs.
 
 FOLDER limits the choice, e.g. discretize/ or synthesis/riccati/. `mutate.py again` judges the
 survivors of the last report anew, after tests were added. Exit status 1 if a mutant survives without
 an explanation, 2 if the unchanged sources do not pass.
 """
 
+import itertools
 import os
+import queue
 import random
 import re
 import resource
@@ -24,12 +27,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "build" / "mutate"
-TREE = WORK / "tree"
-BUILD = WORK / "build"
 REPORT = WORK / "report.md"
 EXPLAINED = ROOT / "scripts" / "mutants.txt"
 
@@ -175,32 +177,43 @@ def project_files():
     return sorted(name for name in set(listed.split("\0")) if name and (ROOT / name).is_file())
 
 
-def copy_tree(names):
-    """Makes the tree what the checkout is; what did not change keeps its time of change."""
-    for name in names:
-        source, target = ROOT / name, TREE / name
-        if not target.exists() or target.read_bytes() != source.read_bytes():
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.unlink(missing_ok=True)
-            shutil.copyfile(source, target)
-        shutil.copymode(source, target)
-    known = set(names)
-    for path in TREE.rglob("*"):
-        if path.is_file() and str(path.relative_to(TREE)) not in known:
-            path.unlink()
+class Copy:
+    """A copy of the sources, in which one mutant at a time is made, and its build."""
 
+    def __init__(self, number):
+        self.tree = WORK / str(number) / "tree"
+        self.build_folder = WORK / str(number) / "build"
 
-def build(programs):
-    """What the compiler says where it fails; nothing where all programs are built. A build that ends
-    without a word of the compiler was ended by somebody, and ends this program."""
-    run = subprocess.run(
-        ["cmake", "--build", str(BUILD), "-j", str(os.cpu_count()), "--target", *programs],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    said = run.stdout + run.stderr
-    if run.returncode and "error:" not in said:
-        sys.exit(f"mutate: the build ended with {run.returncode}: {said.strip()[-500:]}")
-    return said if run.returncode else ""
+    def update(self, names):
+        """Makes the tree what the checkout is; what did not change keeps its time of change."""
+        for name in names:
+            source, target = ROOT / name, self.tree / name
+            if not target.exists() or target.read_bytes() != source.read_bytes():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.unlink(missing_ok=True)
+                shutil.copyfile(source, target)
+            shutil.copymode(source, target)
+        known = set(names)
+        for path in self.tree.rglob("*"):
+            if path.is_file() and str(path.relative_to(self.tree)) not in known:
+                path.unlink()
+        subprocess.run(
+            ["cmake", "--preset", "mutate", "-B", str(self.build_folder)],
+            cwd=self.tree, stdout=subprocess.DEVNULL, check=True,
+        )  # fmt: skip
+
+    def build(self, programs):
+        """What the compiler says where it fails; nothing where all programs are built.
+        @raise RuntimeError  if the build ends without a word of the compiler: somebody ended it"""
+        run = subprocess.run(
+            ["cmake", "--build", str(self.build_folder), "-j", str(os.cpu_count()), "--target",
+             *programs],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        said = run.stdout + run.stderr
+        if run.returncode and "error:" not in said:
+            raise RuntimeError(f"the build ended with {run.returncode}: {said.strip()[-500:]}")
+        return said if run.returncode else ""
 
 
 def test_programs():
@@ -231,13 +244,13 @@ def programs_of(room):
     return [(program, words) for _, _, program, words in sorted(found)]
 
 
-def test(program, words, limit_s):
+def test(copy, program, words, limit_s):
     """How a test program ends: "passed", "failed" or "no end", with the first failing test."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "output"
         with output.open("wb") as stream:
             run = subprocess.Popen(
-                [str(BUILD / "bin" / program), "--gtest_brief=1", "--gtest_fail_fast",
+                [str(copy.build_folder / "bin" / program), "--gtest_brief=1", "--gtest_fail_fast",
                  f"--gtest_filter={words}"],
                 cwd=folder, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, start_new_session=True,
@@ -261,20 +274,21 @@ def test(program, words, limit_s):
         return "failed", failed[1] if failed else f"{program} ended with {status}"
 
 
-def limits_of(rooms):
+def limits_of(rooms, copies):
     """How long the programs of each folder may take, after the unchanged sources have passed."""
     limits = {}
     programs = sorted({program for room in rooms for program, _ in programs_of(room)})
-    print(f"mutate: building {' '.join(programs)}", flush=True)
-    said = build(programs)
-    if said:
-        print(said)
-        print("mutate: the unchanged sources do not build")
-        sys.exit(2)
+    for copy in copies:  # all but the first from ccache
+        print(f"mutate: building {' '.join(programs)} in {copy.build_folder}", flush=True)
+        said = copy.build(programs)
+        if said:
+            print(said)
+            print("mutate: the unchanged sources do not build")
+            sys.exit(2)
     for room in rooms:
         for program, words in programs_of(room):
             start = time.monotonic()
-            outcome, why = test(program, words, 3600)
+            outcome, why = test(copies[0], program, words, 3600)
             if outcome != "passed":
                 print(f"mutate: {program} does not pass with the unchanged sources: {why}")
                 sys.exit(2)
@@ -283,22 +297,50 @@ def limits_of(rooms):
     return limits
 
 
-def judge(mutant, limits):
+def judge(mutant, limits, copy):
     """"invalid", "survived", or by what it was killed. The tree is as before afterwards."""
-    path = TREE / mutant.name
+    path = copy.tree / mutant.name
     text = path.read_text(encoding="utf-8")
     room = room_of(mutant.name)
     try:
         path.write_text(text[: mutant.start] + mutant.after + text[mutant.end :], encoding="utf-8")
         for program, words in programs_of(room):
-            if build([program]):
+            if copy.build([program]):
                 return "invalid"
-            outcome, why = test(program, words, limits[room, program])
+            outcome, why = test(copy, program, words, limits[room, program])
             if outcome != "passed":
                 return why or f"{program} did not end"
         return "survived"
     finally:
         path.write_text(text, encoding="utf-8")
+
+
+def judge_all(candidates, how_many, limits, copies):
+    """Yields (mutant, fate) of the first candidates of which `how_many` compile, as they end."""
+    free = queue.SimpleQueue()
+    for copy in copies:
+        free.put(copy)
+
+    def judge_one(mutant):
+        copy = free.get()
+        try:
+            return mutant, judge(mutant, limits, copy)
+        finally:
+            free.put(copy)
+
+    rest = iter(candidates)
+    with ThreadPoolExecutor(len(copies)) as pool:
+        running = {pool.submit(judge_one, mutant) for mutant in itertools.islice(rest, how_many)}
+        try:
+            while running:
+                ended, running = wait(running, return_when=FIRST_COMPLETED)
+                for one in ended:
+                    mutant, fate = one.result()
+                    if fate == "invalid":
+                        running |= {pool.submit(judge_one, m) for m in itertools.islice(rest, 1)}
+                    yield mutant, fate
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def explanations():
@@ -366,20 +408,18 @@ def main(how_many=100, seed=1, folder=""):
     random.Random(seed).shuffle(candidates)
     rooms = sorted({room_of(mutant.name) for mutant in candidates[: 3 * how_many]})
 
-    TREE.mkdir(parents=True, exist_ok=True)
-    copy_tree(names)
-    subprocess.run(
-        ["cmake", "--preset", "mutate", "-B", str(BUILD)],
-        cwd=TREE, stdout=subprocess.DEVNULL, check=True,
-    )  # fmt: skip
-    limits = limits_of(rooms)
+    # Without ccache each copy would compile everything.
+    copies = [Copy(i) for i in range(os.cpu_count() if shutil.which("ccache") else 1)]
+    for copy in copies:
+        copy.tree.mkdir(parents=True, exist_ok=True)
+        copy.update(names)
+    start = time.monotonic()
+    limits = limits_of(rooms, copies)
+    built = time.monotonic()
 
     reasons = explanations()
     killed, survivors, explained, invalid = [], [], [], 0
-    for mutant in candidates[: 3 * how_many]:
-        if len(killed) + len(survivors) + len(explained) == how_many:
-            break
-        fate = judge(mutant, limits)
+    for mutant, fate in judge_all(candidates[: 3 * how_many], how_many, limits, copies):
         reason = reasons.get((mutant.name, mutant.was, mutant.now))
         if fate == "invalid":
             invalid += 1
@@ -396,6 +436,8 @@ def main(how_many=100, seed=1, folder=""):
         write_report(seed, killed, survivors, explained, invalid)
     write_report(seed, killed, survivors, explained, invalid)
     print(REPORT.read_text(encoding="utf-8").split("\n")[2])
+    print(f"mutate: {built - start:.0f} s for the unchanged sources, "
+          f"{time.monotonic() - built:.0f} s for the mutants")
     print(f"mutate: {REPORT.relative_to(ROOT)} has the survivors")
     return 1 if survivors else 0
 
@@ -405,4 +447,7 @@ if __name__ == "__main__":
         sys.exit(__doc__)
     if sys.argv[1:] != ["again"] and not all(word.isdecimal() for word in sys.argv[1:3]):
         sys.exit(f"mutate: expected two numbers and a folder, or again\n{__doc__}")
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        sys.exit(main(*sys.argv[1:]))
+    except RuntimeError as stopped:
+        sys.exit(f"mutate: {stopped}")
