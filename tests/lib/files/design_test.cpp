@@ -197,7 +197,8 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
   EXPECT_THAT(said("[cascade.design]\nrate_lead_s = 0.02\nMs_max = 1.6\n"),
               HasSubstr("rate_lead_s requires a design on the flown plant, expected no other key"));
-  EXPECT_THAT(said("[cascade.design]\nrate_lead_s = -0.02\n"), HasSubstr("expected 0 or more and 1 or less"));
+  EXPECT_THAT(said("[cascade.design]\nrate_lead_s = -0.02\n"),
+              HasSubstr("expected 0 or more and 1 or less"));
 }
 
 TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {
