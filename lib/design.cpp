@@ -359,15 +359,15 @@ CascadeDesign read_cascade(const TomlTable& table) {
     cascade.gains.dt = table.number("dt_s", Range::positive());
     const CascadeSpecification asked =
         internal::read_cascade_specification(*wanted, cascade.gains.dt);
-    const bool has_lead = wanted->has("rate_lead_s");
-    if (has_lead)
+    if (wanted->has("rate_lead_s")) {
+      if (wanted->keys().size() > 1)
+        throw InvalidInput(
+            wanted->where("rate_lead_s"),
+            "rate_lead_s requires a design on the flown plant, expected no other key in "
+            "[cascade.design], because the others are for a design loop by loop");
       cascade.rate_lead =
           wanted->number("rate_lead_s", {0, Range::Bound::closed, kMaxLag, Range::Bound::closed});
-    if (has_lead && wanted->keys().size() > 1)
-      throw InvalidInput(wanted->where("rate_lead_s"),
-                         "rate_lead_s requires a design on the flown plant, expected no other key "
-                         "in [cascade.design], because the others are for a design loop by loop");
-    if (!wanted->keys().empty() && !has_lead) {
+    } else if (!wanted->keys().empty()) {
       cascade.specification = asked;
       cascade.method = asked.method;
     }

@@ -210,6 +210,34 @@ TEST(PidOfAVehicle, RefusesALeadThatItCannotDesign) {
               HasSubstr("--rate-lead belongs to a vehicle"));
 }
 
+// A satellite receiver below 5 Hz alone: such loops are designed one by one.
+TEST(DesignOfACascade, RefusesALeadForLoopsThatAreDesignedOneByOne) {
+  const testing::TemporaryDirectory folder;
+  const std::string vehicle = folder.path() / "slow.toml";
+  ASSERT_EQ(run_program({"vehicle", "new", "slow", "--mass", "1240g", "--arm", "225mm",
+                         "--propeller", "9.4in", "-o", vehicle})
+                .status,
+            0);
+  std::ifstream file(vehicle);
+  std::ostringstream whole;
+  whole << file.rdbuf();
+  std::string text = whole.str();
+  const std::size_t gps = text.find("rate_Hz = 5\n", text.find("[sensors.gps]"));
+  ASSERT_NE(gps, std::string::npos);
+  text.replace(gps, 11, "rate_Hz = 2");
+  folder.write("slow.toml", text);
+  const std::string design =
+      folder
+          .write("lead.toml",
+                 "name = 'lead'\nvehicle = 'slow.toml'\n[cascade]\ndt_s = 0.005\n"
+                 "[cascade.design]\nrate_lead_s = 0.02\n")
+          .string();
+  const ProgramResult refused = run_program({"design", design});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("lead.toml: cascade.design.rate_lead_s requires a design on "
+                                     "the flown plant"));
+}
+
 TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
   const testing::TemporaryDirectory folder;
   const std::string head = "name = \"c\"\nvehicle = \"mambo\"\n[cascade]\ndt_s = 0.005\n";

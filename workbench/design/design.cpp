@@ -162,14 +162,7 @@ void complete(MissionRequest& mission, const Design& design) {
 std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle,
                                                  const CascadeDesign& cascade,
                                                  const std::vector<Firmware>& firmwares) {
-  if (!usually_on_flown_plant(vehicle)) {
-    if (cascade.rate_lead)
-      throw InvalidInput(vehicle.name,
-                         "cascade.design.rate_lead_s requires a design on the flown plant, but the "
-                         "loops of this vehicle are designed one by one, because its position "
-                         "comes only from a satellite receiver below 5 Hz");
-    return std::nullopt;
-  }
+  if (!usually_on_flown_plant(vehicle)) return std::nullopt;
   FlownGainsOptions options;
   options.dt = cascade.gains.dt;
   options.rate_lead = cascade.rate_lead;
@@ -266,6 +259,11 @@ DesignOutcome solve_laws(Design design) {
     outcome.model = linearize_or_refuse(vehicle, outcome.design.condition, {}, where);
   if (outcome.design.cascade) {
     CascadeDesign& cascade = *outcome.design.cascade;
+    if (cascade.rate_lead && !usually_on_flown_plant(vehicle))
+      throw InvalidInput(where,
+                         "cascade.design.rate_lead_s requires a design on the flown plant, but the "
+                         "loops of this vehicle are designed one by one, because its position "
+                         "comes only from a satellite receiver below 5 Hz");
     if (cascade.gains.loops.empty() && !cascade.specification)
       outcome.cascade_for_flown_plant =
           design_as_usual(vehicle, cascade, firmwares_of(outcome.design));

@@ -85,8 +85,9 @@ double derivative_filter(const std::vector<Firmware>& firmwares) {
   return filter;
 }
 
-/// Lets the roll and pitch loops act on the derivative of the rate if that is asked for or if all
-/// firmwares filter it, which compensates a part of the motor lag.
+/// Lets the roll and pitch loops act on the derivative of the rate, which compensates a part of the
+/// motor lag: with the requested lead, or else, if all firmwares are PX4 or ArduPilot, with a share
+/// of the motor lag.
 void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
                  FlownGainsOptions& options) {
   const double filter = derivative_filter(firmwares);
