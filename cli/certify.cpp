@@ -55,8 +55,8 @@ void run_certify(Options& options, Context& context) {
   const CertifyReport report = option_of_command(
       "certify", [&] { return certify(options.directory, certify_options(options, context)); });
   if (report.failed)
-    throw Refusal(fmt::format("certify: {} does not verify: {}: {}", options.directory,
-                              report.failed->name, report.failed->detail),
+    throw Refusal(fmt::format("certify: {} does not verify: the check '{}' failed: {}",
+                              options.directory, report.failed->name, report.failed->detail),
                   options.directory);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   for (const CertifiedLaw& law : report.laws)
@@ -66,24 +66,26 @@ void run_certify(Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.directory, "an export's directory");
   line.add_option("--mass LOW:HIGH", options.mass,
-                  "ratios of the mass (default of the vehicle's [spread], or 0.9:1.1)");
+                  "ratios of the mass (default: that of the vehicle's [spread], or 0.9:1.1)");
   line.add_option(
       "--inertia LOW:HIGH", options.inertia,
-      "ratios of each principal moment (default of the vehicle's [spread], or 0.8:1.2)");
+      "ratios of each principal moment (default: that of the vehicle's [spread], or 0.8:1.2)");
   line.add_option(
       "--thrust LOW:HIGH", options.thrust,
-      "ratios of the rotors' thrust and drag torque (default of the vehicle's [spread], or "
+      "ratios of the rotors' thrust and drag torque (default: that of the vehicle's [spread], or "
       "0.9:1.1)");
   line.add_option(
       "--delay LOW:HIGH", options.delay,
-      "delay of the loop beyond the hold [s] (default: that of the commands, up to its jitter "
-      "and one period more)");
-  line.add_option("--lag LOW:HIGH", options.lag,
-                  "time constant of the motors [s] (default the vehicle's, with its [spread])");
+      "delay of the loop beyond the hold [s] (default: from the delay of the commands to that "
+      "delay plus its jitter and one period)");
+  line.add_option(
+      "--lag LOW:HIGH", options.lag,
+      "time constant of the motors [s] (default: that of the vehicle, with its [spread])");
   line.add_option("--controller NAME", options.controller,
                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent");
-  line.add_option("--integrator METHOD", options.integrator,
-                  "of a cascade: euler, backward-euler or tustin (default: the export's)");
+  line.add_option(
+      "--integrator METHOD", options.integrator,
+      "integration method of a cascade: euler, backward-euler or tustin (default: the export's)");
   line.add_option("--vehicle V", options.vehicle,
                   "the vehicle file, if the vehicle of the manifest is not built in");
   line.add_option("--plant NAME", options.plant,

@@ -102,7 +102,7 @@ void add_options(CommandLine& line, Options& options) {
                   "are designed for the firmware that is named");
   line.add_flag(
       "--force", options.force,
-      "write although a flown loop is unstable, a mission failed or the margins on a firmware "
+      "write even if a flown loop is unstable, a mission failed or the margins on a firmware "
       "are too small, and use tuned covariances whatever their verdict");
   line.add_count(
       "--seeds N", options.seeds, 1,

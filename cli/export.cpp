@@ -214,8 +214,8 @@ void add_options(CommandLine& line, Options& options) {
                 "for uquad: write a C header of the vehicle's constants as well");
   line.add_flag(
       "--force", options.force,
-      "write although the design's loop is unstable or its covariances are not proven; the "
-      "manifest says so");
+      "export even if the loop is unstable, the logs did not confirm the covariances, the margins "
+      "on a firmware are too small or SOURCE was forced; the manifest records the reason");
   line.add_option("--firmware VERSION", options.firmware.version,
                   "version of the firmware, e.g. 1.15 of px4; default: the newest known release");
   line.add_flag(

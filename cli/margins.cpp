@@ -282,9 +282,10 @@ void add_loop_options(CommandLine& line, Options& options) {
   line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
   line.add_option("--B FILE", options.B, "inputs (nx x nu)");
   line.add_option("--K FILE", options.K, "gain of u = -K x (nu x nx)");
-  line.add_option("--C FILE", options.C,
-                  "outputs (ny x nx) in place of K: the loop is A, B, C, D, or the plant of a "
-                  "controller");
+  line.add_option(
+      "--C FILE", options.C,
+      "outputs (ny x nx), in place of K: A, B, C, D are the loop or, with a controller, "
+      "the plant");
   line.add_option("--D FILE", options.D, "feed-through (ny x nu); default: 0");
   add_controller_options(line, options.controller);
   line.add_option("--frd FILE", options.frd,

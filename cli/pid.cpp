@@ -121,7 +121,7 @@ void print_gains(const PidGains& gains, const std::string& how, const Options& o
       });
 }
 
-/// Gains from the limit of stability, or given ones: without a plant, hence without margins.
+/// Gains from the ultimate gain, or given ones: without a plant, hence without margins.
 void run_without_plant(const CommandLine& line, const Options& options, Context& context) {
   line.refuse_given({"--num", "--den", "--delay", "--crossover", "--phase-margin", "--Tf",
                      "--tau-c", "--Ms-max", "--Mt-max", "--noise-gain-max", "--plot"},
@@ -223,10 +223,9 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
   line.add_number("--phase-margin DEG", options.phase_margin,
                   "phase margin at the crossover [deg]");
   line.add_number("--Tf S", options.Tf, "time constant of the derivative filter [s]; default 0");
-  line.add_option(
-      "--rule NAME", options.rule,
-      "amigo, simc, ziegler-nichols, cohen-coon or lambda; from the limit of stability: "
-      "pessen, some-overshoot, no-overshoot or tyreus-luyben");
+  line.add_option("--rule NAME", options.rule,
+                  "amigo, simc, ziegler-nichols, cohen-coon or lambda; from the ultimate gain: "
+                  "pessen, some-overshoot, no-overshoot or tyreus-luyben");
   line.add_number("--Ku K", options.Ku,
                   "in place of a plant: gain at which a proportional loop oscillates; with --rule, "
                   "by default ziegler-nichols");
@@ -257,7 +256,7 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
                   "in autopilots");
   line.add_option("--for NAME", options.for_firmware,
                   "with V: px4, ardupilot, betaflight or crazyflie: use the structure of this "
-                  "firmware, and bound its loops with its filters and delay as well");
+                  "firmware, and bound the margins with its filters and delay as well");
   line.add_option("--firmware VERSION", options.firmware.version,
                   "with --for: version of the firmware; default: the newest known one");
   line.add_option("--setup NAME", options.firmware.setup,
@@ -270,7 +269,7 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
   line.add_number("--motor-lag S", options.motor_lag,
                   "with V: time constant of the motor lag [s]; default: that of the vehicle");
   line.add_number("--tracking-max M", options.tracking_max,
-                  "with V: max |value / set point| up to this; default 1.3");
+                  "with V: upper bound of max |value / set point|; default 1.3");
   line.add_option("--integral LIST", options.integral,
                   "with V: loops that have an integral, or none; default: all");
   line.add_option("--integrator NAME", options.integrator,
@@ -282,10 +281,11 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.vehicle, "a built-in vehicle's name or a vehicle file");
-  line.add_option("--method M", options.cascade.method,
-                  "flown (default unless the position comes only from a satellite receiver below 5 "
-                  "Hz): all gains at once on the flown plant; loops: loop by loop, implied by "
-                  "--bandwidth, --Ms-max and similar options");
+  line.add_option(
+      "--method M", options.cascade.method,
+      "flown (default unless the vehicle has a satellite receiver below 5 Hz and no "
+      "optical flow): all gains at once on the flown plant; loops: loop by loop, implied by "
+      "--bandwidth, --Ms-max and similar options");
   line.add_option("--plant NAME", options.cascade.plant,
                   "flown (default), or ideal: the textbook plant with 12 states, loop by loop; the "
                   "flown loop is reported in both cases");

@@ -108,8 +108,8 @@ std::vector<FileContent> with_manifest(const Exporter& exporter, const ExportCon
 std::vector<FileContent> export_files(const ExportKind& kind, const ExportContent& content) {
   const Exporter& exporter = exporter_of(kind, "export");
   if (content.schedule && exporter.target.name != kFlightCodeTarget)
-    throw InvalidInput("export", fmt::format("a gain schedule came for '{}', expected '{}' because "
-                                             "no other export holds one",
+    throw InvalidInput("export", fmt::format("'{}' cannot hold a gain schedule, expected '{}', the "
+                                             "only export that can",
                                              exporter.target.name, kFlightCodeTarget));
   const ExportContent usual = in_usual_words(content);
   return with_manifest(exporter, exporter.fit ? exporter.fit(usual) : usual);

@@ -134,7 +134,7 @@ void note_missing_drag(const Vehicle& vehicle, const FlightCondition& condition,
   if (condition.kind == FlightKind::line && speed > 0 && !has_aerodynamics(vehicle))
     notes.push_back(
         fmt::format("the vehicle file gives no drag, so that flight at {:.6g} m/s "
-                    "requires no tilt and no additional thrust, and has no limit of the speed",
+                    "requires no tilt and no additional thrust, and has no speed limit",
                     speed));
 }
 

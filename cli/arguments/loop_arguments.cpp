@@ -22,8 +22,7 @@ void add_controller_options(CommandLine& line, ControllerArguments& arguments) {
   line.add_option("--controller-C FILE", arguments.C, "its outputs -u, one row per input u");
   line.add_option("--controller-D FILE", arguments.D,
                   "its feed-through; default 0; alone: a constant gain");
-  line.add_option("--pid LIST", arguments.pid,
-                  "PID controller Kp,Ki,Kd,Tf; the last may be omitted");
+  line.add_option("--pid LIST", arguments.pid, "PID controller Kp[,Ki[,Kd[,Tf]]]");
   line.add_option("--integrator NAME", arguments.integrator,
                   "with --pid in a discrete loop: euler, backward-euler or tustin (default)");
 }
@@ -31,10 +30,7 @@ void add_controller_options(CommandLine& line, ControllerArguments& arguments) {
 PidGains pid_gains_of(const std::string& list, const std::string& verb, const std::string& option) {
   const std::vector<double> values = number_list(list, verb, option);
   if (values.empty() || values.size() > 4)
-    refuse(verb, option,
-           "{} has {} numbers, expected Kp, Ki, Kd and Tf, of which the last may be "
-           "omitted",
-           option, values.size());
+    refuse(verb, option, "{} has {} numbers, expected Kp[,Ki[,Kd[,Tf]]]", option, values.size());
   const auto at = [&](std::size_t i) { return i < values.size() ? values[i] : 0.0; };
   if (at(3) < 0) refuse(verb, option, "{}: Tf is {} s, expected 0 or more", option, at(3));
   return {at(0), at(1), at(2), at(3)};

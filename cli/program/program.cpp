@@ -142,6 +142,14 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   }
 }
 
+/// "a", "a or b" or "a, b or c".
+std::string alternatives(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return text;
+}
+
 void run_program(const std::vector<std::string>& args, Context& context) {
   if (args.empty() || args[0] == "--help" || args[0] == "-h") {
     run_verb(*find("help"), {}, context);
@@ -162,12 +170,11 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     verb = find(args[0] + " " + kind);
     words = 2;
     if (!verb)
-      throw UsageError(
-          fmt::format("quadtune {}: {}, expected {}{}", args[0],
-                      kind.empty() ? "the second word is missing"
-                                   : "'" + internal::printable(kind) + "' is unknown",
-                      internal::joined(kinds, " or "), internal::did_you_mean(kind, kinds)),
-          args[0]);
+      throw UsageError(fmt::format("quadtune {}: {}, expected {}{}", args[0],
+                                   kind.empty() ? "the second word is missing"
+                                                : "'" + internal::printable(kind) + "' is unknown",
+                                   alternatives(kinds), internal::did_you_mean(kind, kinds)),
+                       args[0]);
   }
   if (!verb) {
     const std::string what = args[0][0] == '-' ? "option" : "command";

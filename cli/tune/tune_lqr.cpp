@@ -86,8 +86,8 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   const bool standard = options.problem.Q.empty() && options.problem.R.empty();
   if (standard && line.was_given("--inputs") && options.problem.plant.inputs != "wrench")
     refuse(kVerb, "--inputs",
-           "--inputs requires --Q and --R unless it is wrench, because weights by Bryson's rule "
-           "are those of the wrench");
+           "--inputs other than wrench requires --Q and --R, because Bryson's rule gives weights "
+           "for the wrench only");
   options.missions.vehicle = options.problem.plant.vehicle;
   require_sane(kVerb, options.missions);
   const MissionRequirements requirements = mission_requirements(kVerb, options.missions);
@@ -97,8 +97,8 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   const LqrDesign design = make_design(problem, plant.model.plant.states, plant.model.plant.inputs);
   if (standard && (problem.plant.convention != "ned" || problem.plant.states != "full"))
     refuse(kVerb, "--Q",
-           "expected --Q and --R with --convention or --states, because weights by Bryson's rule "
-           "are those of all states in ned");
+           "--convention and --states require --Q and --R, because Bryson's rule gives weights for "
+           "all states in ned only");
   if (design.dt == 0)
     refuse(kVerb, "--method",
            "--method is continuous, expected discrete or sampled, because the gains run on a "
@@ -184,9 +184,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--match-gains FILE", options.gains,
                   "compute weights that give this gain: an export, a file of gains, or a design "
                   "with [published] gains; absent options take their values from it");
-  line.add_option("--Q LIST", options.problem.Q,
-                  "start of the search: a list with the integrals last; a single number applies to "
-                  "all; default 1; a weight of 0 stays 0");
+  line.add_option(
+      "--Q LIST", options.problem.Q,
+      "start of the search: a list with the integrals last; a single number applies to "
+      "all; default: Bryson's rule over missions, 1 with --match-gains; a weight of 0 stays 0");
   line.add_option("--R LIST", options.problem.R,
                   "likewise for the inputs; its geometric mean is kept, because a gain determines "
                   "the weights only up to a factor");

@@ -205,11 +205,12 @@ void write_px4(Writer& w) {
     w.set(name + "PY", rotor.position.y());
     w.set(name + "KM", -spin_sign(rotor.spin) * exports::px4_torque_ratio(rotor));
   }
-  w.note(in_x ? "CA_ROTOR* hold the rotors of the vehicle in PX4's order: 1 front right, 2 back "
-                "left, 3 "
-                "front left, 4 back right"
-              : "CA_ROTOR* are not written, because boards with such rotors are wired in different "
-                "orders: they must have the vehicle's places and senses");
+  w.note(in_x
+             ? "CA_ROTOR* hold the rotors of the vehicle in PX4's order: 1 front right, 2 back "
+               "left, 3 "
+               "front left, 4 back right"
+             : "CA_ROTOR* are not written, because boards with such rotors are wired in different "
+               "orders: set the position and the direction of rotation of each rotor on the board");
   w.note("THR_MDL_FAC is 0, because the gains assume it");
   w.set("THR_MDL_FAC", 0);
   const FirmwareScale scale = w.scale();
@@ -265,7 +266,8 @@ void write_ardupilot(Writer& w) {
   w.set("MOT_THST_HOVER", scale.hover);
   w.note(
       "MOT_SPIN_MIN, MOT_SPIN_MAX, MOT_THST_EXPO and MOT_THST_HOVER are written, because the gains "
-      "assume them: a motor that does not start at 15 % needs its own values, and other gains");
+      "assume them; if a motor does not start at 15 %, set its own values and design the gains "
+      "again");
   w.note("FRAME_CLASS and FRAME_TYPE are not written: they must be those of the vehicle's rotors");
   w.note(
       "the filters of the velocity, PSC_*_FLTE and FLTD of 5 Hz, are not modelled in the design: x "
@@ -302,11 +304,12 @@ void write_ardupilot(Writer& w) {
   const double unit = exports::is_from(w.firmware(), "4.7") ? 0.1 : 1;
   w.set(names.acceleration + "P", unit * scale.hover);
   w.set(names.acceleration + "I", unit * 2 * scale.hover);
-  w.note(
-      fmt::format("{0}P and {0}I follow the project's rule, hover throttle and twice it: the "
-                  "loop of the vertical acceleration is not designed. It gives about half of the "
-                  "acceleration that is asked for at once, so the height is damped less than here",
-                  names.acceleration));
+  w.note(fmt::format(
+      "{0}P and {0}I follow ArduPilot's rule, the hover throttle and twice that, because "
+      "the loop of the vertical acceleration is not designed. This loop initially gives "
+      "about half of the required acceleration, so the height is damped less than in "
+      "the design",
+      names.acceleration));
 }
 
 void write_betaflight(Writer& w) {
@@ -328,10 +331,10 @@ void write_betaflight(Writer& w) {
       const Sizes yaw = w.sizes(turn.axis);
       w.set("p_yaw", yaw.Kd / (G * exports::kBetaflightP));
       w.set("i_yaw", yaw.Kp / (G * exports::kBetaflightI * exports::kBetaflightYaw));
-      w.note(
-          fmt::format("yaw has no loop of the heading: i_yaw holds it as Kp does, and Ki {:.4g} is "
-                      "left out",
-                      yaw.Ki));
+      w.note(fmt::format(
+          "the firmware has no loop of the heading: i_yaw takes the place of Kp, and Ki "
+          "{:.4g} is omitted",
+          yaw.Ki));
     } else {
       const Factored& loop = turn.axis == CascadeAxis::roll ? roll : pitch;
       w.set("p_" + axis, loop.P / (G * exports::kBetaflightP));
@@ -345,7 +348,7 @@ void write_betaflight(Writer& w) {
   w.set("anti_gravity_gain", 0);
   w.note(
       "f_*, d_min_* or d_max_*, tpa_rate and anti_gravity_gain are 0 in profile 0, as the design "
-      "has no such terms: they count in acro mode as well");
+      "has no such terms; these zeros also apply in acro mode");
   w.note("x, y and altitude are the pilot's: the firmware has no such loops");
 }
 

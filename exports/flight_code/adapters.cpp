@@ -135,8 +135,8 @@ void require_adapter(const ExportContent& content, double dt) {
                      [&](double period) { return std::abs(dt - period) < 1e-9; }))
       throw InvalidInput(where,
                          fmt::format("the law's period is {} s, expected 0.002, 0.004 or "
-                                     "0.01 s, because the firmware schedules 500, 250 or 100 "
-                                     "periods a second and not 200",
+                                     "0.01 s, because the firmware runs loops at 500, 250 or "
+                                     "100 Hz, but not at 200 Hz",
                                      dt));
   }
   if (adapter != "main") (void)rotors_of_motors(adapter, content.vehicle);

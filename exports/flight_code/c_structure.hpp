@@ -65,7 +65,7 @@ class Structure {
         static_cast<float>(x) == 0)
       throw InvalidInput(where + name,
                          fmt::format("is {}, expected 0 or at least 1.2e-38 in magnitude because "
-                                     "the program computes in float; double precision holds it",
+                                     "the program computes in float; use double precision",
                                      x));
     return c_number(x, double_, where + name);
   }

@@ -377,7 +377,7 @@ std::string c_number(double x, bool double_precision, const std::string& where) 
   if (std::isinf(x)) return x > 0 ? "QT_INFINITY" : "-QT_INFINITY";
   if (!double_precision && std::abs(x) > static_cast<double>(std::numeric_limits<float>::max()))
     throw InvalidInput(where, fmt::format("is {}, expected at most 3.4e38 because the program "
-                                          "computes in float; double precision holds it",
+                                          "computes in float; use double precision",
                                           x));
   std::string text =
       double_precision ? fmt::format("{}", x) : fmt::format("{}", static_cast<float>(x));

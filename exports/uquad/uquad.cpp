@@ -72,8 +72,8 @@ const UquadFileSet& set_of_directory(const std::filesystem::path& directory) {
   if (present.size() > 1)
     throw InvalidInput(
         directory.string(),
-        fmt::format("has the gains of several builds ({}), expected those of one; name the "
-                    "file instead of the directory",
+        fmt::format("has the gains of several builds of the flight program ({}), expected those of "
+                    "one; name the file instead of the directory",
                     internal::joined(found, ", ")));
   return *present.front();
 }
@@ -150,7 +150,8 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
         same_names(names_or_numbers(gains.integrals, std::ssize(gains.integrals)), set.integrals))
       return set;
   throw InvalidInput("uquad",
-                     fmt::format("states {} with integrals '{}' fit no build, expected those of {}",
+                     fmt::format("no build of the flight program has the states {} with the "
+                                 "integrals '{}', expected those of {}",
                                  names(gains.states), names(gains.integrals), all_in_words()));
 }
 

@@ -127,7 +127,8 @@ std::string translate_message(std::string_view description, std::string_view tex
                                came);
   }
   if (words.find("could not determine value type") != std::string::npos)
-    return "not TOML: the value is of no type, expected a number, a text in quotes, true, false, "
+    return "not TOML: the value has no recognizable type, expected a number, a text in quotes, "
+           "true, false, "
            "[a list] or {a table}";
   const std::size_t twice = words.find("cannot redefine existing ");
   if (twice == std::string::npos) {

@@ -84,7 +84,7 @@ Wind parse_wind(const std::string& words, const std::string& where) {
                              internal::printable(entry), internal::joined(known, ", "),
                              internal::did_you_mean(key, known)));
     if (std::find(given.begin(), given.end(), target) != given.end())
-      throw InvalidInput(where, fmt::format("'{}' is given twice, expected it once", key));
+      throw InvalidInput(where, fmt::format("'{}' is given twice, expected once", key));
     given.push_back(target);
     *target = number_of(without_blanks(entry.substr(equals + 1)), key, where);
     begin = end + 1;

@@ -41,8 +41,8 @@ void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::st
   if (worst <= 1e-10 * scale) return;
   throw InvalidInput(
       where,
-      fmt::format("{} is not symmetric: ({},{}) is {} and ({},{}) is {}, they differ "
-                  "by {:.3g}, expected equal entries",
+      fmt::format("{} is not symmetric: ({},{}) is {} and ({},{}) is {}, which differ "
+                  "by {:.3g}; expected equal entries",
                   name, col + 1, row + 1, M(col, row), row + 1, col + 1, M(row, col), worst));
 }
 

@@ -54,8 +54,8 @@ CertifyReport certify_directory(const Path& directory, const std::optional<Vehic
     return certify(directory.text, options);
   });
   if (report.failed)
-    throw InvalidInput(directory.text, fmt::format("does not verify: {}: {}", report.failed->name,
-                                                   report.failed->detail));
+    throw InvalidInput(directory.text, fmt::format("does not verify: the check '{}' failed: {}",
+                                                   report.failed->name, report.failed->detail));
   return report;
 }
 

@@ -226,8 +226,8 @@ TunedLqr tune_weights(const StartArguments& start, const MissionArguments& given
   require_sane(given, options);
   if (start.standard() && (start.plant.convention != "ned" || start.plant.states != "full"))
     throw OptionError("Q",
-                      "expected Q and R with convention or states, because weights by Bryson's "
-                      "rule are those of all states in ned");
+                      "convention and states require Q and R, because Bryson's rule gives "
+                      "weights for all states in ned only");
   if (lqr_method(start.lqr.method, "method") == LqrMethod::continuous)
     throw OptionError("method",
                       "method is continuous, expected discrete or sampled, because the gains run "
@@ -285,8 +285,8 @@ void add_lqr_tuning(py::module_& module) {
         start.separate = separate;
         if (start.standard() && inputs && *inputs != "wrench")
           throw OptionError("inputs",
-                            "inputs came without Q and R, expected wrench, because weights by "
-                            "Bryson's rule are those of the wrench");
+                            "inputs other than wrench require Q and R, because Bryson's rule gives "
+                            "weights for the wrench only");
         start.plant.inputs = inputs.value_or(start.standard() ? "wrench" : start.plant.inputs);
         return tune_weights(start,
                             {std::move(missions), std::move(requirements), std::move(measure),

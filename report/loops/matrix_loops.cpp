@@ -131,9 +131,9 @@ std::string to_text(const MatrixLqgReport& report) {
   std::string text = section("gain K", plain(report.lqr.K));
   if (report.dt > 0) text += section("filter M", plain(report.filter.M));
   text += section(report.dt > 0 ? "predictor L" : "filter L", plain(report.filter.L));
-  text += section("controller", "from y to -u, the states are the estimates\n" + plain(report.A)) +
-          section("B", plain(report.B)) + section("C", plain(report.C)) +
-          section("D", plain(report.D));
+  text += section("controller", "from y to -u, the states are the estimates") +
+          section("A", plain(report.A)) + section("B", plain(report.B)) +
+          section("C", plain(report.C)) + section("D", plain(report.D));
   return text + section("poles", pole_table(report.poles, report.dt)) +
          section("mean cost", number(report.cost) + (report.dt > 0 ? " per step" : "")) +
          section("rms", fmt::format("states {}; inputs {}", numbers(report.state_rms),

@@ -496,7 +496,7 @@ std::string to_text(const Report& report) {
   if (!r.broken.empty())
     text += section("violated", fmt::format("{}", internal::joined(r.broken, "\n")));
   return text + section("verdict",
-                        fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
+                        fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, end: {}",
                                     r.accepted ? "better" : "the start is kept", r.reason,
                                     r.broken.empty() ? ""
                                                      : fmt::format("violates {} of the limits\n",
@@ -592,7 +592,7 @@ GainsPage page_of(const Report& report, const std::vector<TunedFlights>& flights
       {"cost", fmt::format("{}; each relative to that of the start, mission by mission",
                            internal::joined(cost, " + "))},
       {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
-      {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations, r.seconds,
+      {"search", fmt::format("{} evaluations in {:.3g} s, end: {}", r.evaluations, r.seconds,
                              to_string(r.end))},
       {"searched", fmt::format("{}", internal::joined(report.tuning.names, "; "))}};
   std::vector<std::string> varied;

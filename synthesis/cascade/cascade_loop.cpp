@@ -193,8 +193,9 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
   if (fixed && bounds.rate_crossover >= design.highest_rate_crossover) {
     design.status = CascadeLoopStatus::crossover_infeasible;
     design.culprit = fmt::format(
-        "the crossover of the rate loop is {:.4g} rad/s, expected less than {:.4g} because at that "
-        "frequency the hold, the lag and the delay raise max |S| of the rate loop alone to {:.4g}",
+        "the crossover of the rate loop is {:.4g} rad/s, expected less than {:.4g} rad/s, "
+        "where the hold, the lag and the delay already raise max |S| of the rate loop alone to "
+        "{:.4g}",
         bounds.rate_crossover, design.highest_rate_crossover, bounds.Ms_max);
     return design;
   }

@@ -318,8 +318,8 @@ PolePlacement place_poles(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<
   if (!placement.K().allFinite() || !(error <= allowed * scale)) {
     result.status = PolePlacementStatus::inaccurate;
     result.culprit = fmt::format(
-        "a computed pole differs from the requested one by {:.2g}: the plant is nearly not "
-        "controllable, or the poles are too far from those of the plant",
+        "a computed pole differs from the requested one by {:.2g}: the plant is nearly "
+        "uncontrollable, or the poles are too far from those of the plant",
         error);
     return result;
   }

@@ -131,13 +131,13 @@ std::string condition_warning(const RiccatiResult& result, RiccatiProblem proble
   const char* gain = problem == RiccatiProblem::filter ? "L" : "K";
   if (result.used_extended && result.gain_error < kNoLoss)
     return what + fmt::format(
-                      "{} is exact for these numbers, and changes by less than {:.0g} of its norm "
-                      "if they are rounded again (by 1e-16)",
+                      "{} is exact for the matrices as given, and rounding their entries by 1e-16 "
+                      "changes it by less than {:.0g} of its norm",
                       gain, kNoLoss);
   if (result.used_extended)
     return what + fmt::format(
-                      "{} is exact for these numbers, but changes by about {} of its norm "
-                      "if they are rounded again (by 1e-16)",
+                      "{} is exact for the matrices as given, but rounding their entries by 1e-16 "
+                      "changes it by about {} of its norm",
                       gain, share(result.gain_error));
   return what + fmt::format("the error of {} may be up to about {} of its norm", gain,
                             share(result.gain_error));

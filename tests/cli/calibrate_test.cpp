@@ -407,7 +407,7 @@ TEST(AllanVerb, RefusesGaps) {
   const std::string torn = folder.write("t.csv", "a b\n1 2\n1 2\n1\n1 2\n1 2\n1 2\n").string();
   const ProgramResult broken =
       run_program({"allan", "--log", torn, "--column", "b", "--rate", "1"});
-  EXPECT_THAT(broken.err, HasSubstr(torn + ":4: the row has 1 fields, expected 2"));
+  EXPECT_THAT(broken.err, HasSubstr(torn + ":4: the row has 1 field, expected 2"));
   EXPECT_THAT(broken.err, HasSubstr("'b' has a gap: sample 3"));
 }
 

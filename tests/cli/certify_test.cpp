@@ -220,8 +220,9 @@ TEST_F(CertifyTest, RefusesWhatDoesNotVerify) {
   EXPECT_THAT(refused({folder.path().string()}, 5), HasSubstr("manifest.json"));
   std::filesystem::copy(exported("uquad-hover"), folder.path() / "out");
   folder.write("out/K_prop_full.txt", folder.read("out/K_prop_full.txt") + "\n");
-  EXPECT_THAT(refused({(folder.path() / "out").string()}, 1),
-              HasSubstr("does not verify: K_prop_full.txt matches the manifest"));
+  EXPECT_THAT(
+      refused({(folder.path() / "out").string()}, 1),
+      HasSubstr("does not verify: the check 'K_prop_full.txt matches the manifest' failed"));
   EXPECT_THAT(refused({exported("uquad-hover"), "--controller", "cascaded-pid"}, 3),
               HasSubstr("the export has no cascaded-pid; expected a law"));
 }

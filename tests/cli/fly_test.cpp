@@ -330,7 +330,7 @@ TEST(Compare, HasTheKeysOfItsContract) {
 
 TEST(Fly, SaysWhatDoesNothing) {
   const ProgramResult windy = run_program({"fly", "mambo", "--wind", "severe", "--duration", "3"});
-  EXPECT_THAT(windy.err, HasSubstr("no drag_area_m2"));
+  EXPECT_THAT(windy.err, HasSubstr("no drag, such as drag_area_m2"));
   EXPECT_THAT(run_program({"fly", "mambo", "--duration", "3"}).err,
               ::testing::Not(HasSubstr("drag")));
 }

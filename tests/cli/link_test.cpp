@@ -127,8 +127,8 @@ TEST(Link, RefusesWrongCommandLines) {
   refused("link encode land --firmware native --sequence 256", 2,
           "--sequence is 256, expected 0 to 255", "--sequence");
   refused("link encode land --firmware native --sequence -1", 2, "--sequence", "--sequence");
-  refused("link", 2, "the second word is missing, expected encode or decode or send", "link");
-  refused("link stop", 2, "'stop' is unknown, expected encode or decode or send", "link");
+  refused("link", 2, "the second word is missing, expected encode, decode or send", "link");
+  refused("link stop", 2, "'stop' is unknown, expected encode, decode or send", "link");
 }
 
 TEST(LinkDecode, RefusesWrongFrames) {

@@ -365,7 +365,8 @@ TEST(LqrVerb, TellsThatAnEquationIsIllConditioned) {
   const ProgramResult text = run_program(arguments);
   EXPECT_EQ(text.status, 0) << text.err;
   EXPECT_THAT(text.err, HasSubstr("lqr: warning: the equation is ill-conditioned (rcond "));
-  EXPECT_THAT(text.err, HasSubstr("K is exact for these numbers, but changes by about"));
+  EXPECT_THAT(text.err,
+              HasSubstr("K is exact for the matrices as given, but rounding their entries"));
   const Json json = margins_json(arguments);
   EXPECT_GT(double(json["gain_error"]), 1e-5);
   EXPECT_THAT(std::string(json["warning"]), HasSubstr("ill-conditioned"));

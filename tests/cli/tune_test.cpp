@@ -201,9 +201,8 @@ TEST(TuneVerb, RefusesInOneLine) {
     EXPECT_THAT(result.err, HasSubstr(message));
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   };
-  refused(
-      {"tune", "kalmn", "--model", "altitude", "--log", file}, 2,
-      "quadtune tune: 'kalmn' is unknown, expected kalman or pid or lqr; did you mean 'kalman'?");
+  refused({"tune", "kalmn", "--model", "altitude", "--log", file}, 2,
+          "quadtune tune: 'kalmn' is unknown, expected kalman, pid or lqr; did you mean 'kalman'?");
   refused({"tune", "kalman", "--log", file}, 2, "--model is missing");
   refused({"tune", "kalman", "--model", "altitude"}, 2, "--log is missing");
   refused({"tune", "kalman", "--model", "altitude", "--log", "-"}, 2,

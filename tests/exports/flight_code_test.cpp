@@ -404,7 +404,7 @@ TEST(FlightCode, RefusesEstimatorNumbersThatVanishInFloat) {
   EXPECT_THAT([&] { (void)written("estimator", false, 1e-50); },
               ThrowsMessage<InvalidInput>(
                   "estimator.gyro_variance: is 1e-50, expected 0 or at least 1.2e-38 in magnitude "
-                  "because the program computes in float; double precision holds it"));
+                  "because the program computes in float; use double precision"));
   EXPECT_THAT(written("estimator", true, 1e-50), HasSubstr("{1.0, 1e-50}"));
   EXPECT_THAT(written("estimator", false, 0), HasSubstr("{1.0f, 0.0f}"));
   EXPECT_THAT(written("estimator", false, 1e-30), HasSubstr("{1.0f, 1e-30f}"));

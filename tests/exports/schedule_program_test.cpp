@@ -252,7 +252,7 @@ TEST(ScheduleCode, RefusesWhatIsNoProgram) {
   EXPECT_NO_THROW((void)flight_code_files(content));
   // Other exporters do not support schedules.
   EXPECT_THAT([&] { (void)export_files(ExportKind::json, content); },
-              ThrowsMessage<InvalidInput>(HasSubstr("a gain schedule came for 'json'")));
+              ThrowsMessage<InvalidInput>(HasSubstr("'json' cannot hold a gain schedule")));
 }
 
 TEST(ScheduleCode, IsVerifiedByItsText) {

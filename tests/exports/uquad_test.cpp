@@ -112,8 +112,8 @@ TEST(Uquad, SaysWhichBuildsExist) {
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refusal(numbered(reduced, {"z"}),
-          "states z psi phi theta vqz wqx wqy wqz with integrals 'z' fit no build, expected those "
-          "of one of K.txt, K_prop.txt, K_full.txt, K_prop_full.txt");
+          "no build of the flight program has the states z psi phi theta vqz wqx wqy wqz with the "
+          "integrals 'z', expected those of one of K.txt, K_prop.txt, K_full.txt, K_prop_full.txt");
   Gains gains = numbered(full, {});
   gains.convention = "ned";
   refusal(gains, "the gain is in the convention 'ned', expected 'uquad'");
@@ -197,9 +197,10 @@ TEST(Uquad, ReadsABuildFromItsDirectoryOrEitherFile) {
     EXPECT_EQ(read.integrals.front(), (Signal{"x", "m s"}));
   }
   directory.write("K.txt", "");
-  EXPECT_THAT([&] { (void)read_uquad_gains(directory.path()); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("has the gains of several builds (K.txt, K_prop_full.txt)")));
+  EXPECT_THAT(
+      [&] { (void)read_uquad_gains(directory.path()); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "has the gains of several builds of the flight program (K.txt, K_prop_full.txt)")));
   const TemporaryDirectory empty;
   EXPECT_THAT([&] { (void)read_uquad_gains(empty.path()); },
               ThrowsMessage<InvalidInput>(HasSubstr("has no gain files of uquad")));

@@ -260,7 +260,7 @@ TEST(Linearize, ALineWithoutDragNotesThatItCostsNothing) {
   const FlightCondition line = {FlightKind::line, 0, 500};
   EXPECT_THAT(linearize(plus_quadrotor(), line).notes,
               ElementsAre("the vehicle file gives no drag, so that flight at 500 m/s requires no "
-                          "tilt and no additional thrust, and has no limit of the speed"));
+                          "tilt and no additional thrust, and has no speed limit"));
   Vehicle with_drag = plus_quadrotor();
   with_drag.drag.cda.setConstant(1e-6);
   EXPECT_THAT(linearize(with_drag, {FlightKind::line, 0, 5}).notes, IsEmpty());

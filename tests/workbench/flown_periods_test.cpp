@@ -48,8 +48,9 @@ TEST(FlownPeriodsBadInput, AMemoryBelongsToOnePeriod) {
   FlightOptions options;
   options.controller = kStateFeedback;
   const ChosenLaw law = choose_law(options, vehicle, "test");
-  EXPECT_THAT([&] { (void)flown_at_periods(vehicle, law.controller, {0.005}); },
-              ::testing::ThrowsMessage<InvalidInput>(HasSubstr("has a memory of its commands")));
+  EXPECT_THAT(
+      [&] { (void)flown_at_periods(vehicle, law.controller, {0.005}); },
+      ::testing::ThrowsMessage<InvalidInput>(HasSubstr("stores past commands at its own period")));
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST(NewVehicle, RefusesWhatContradicts) {
   refused([](M& m) { m.mass = 1400; }, "mass is 1400 kg, expected more than 0 and at most 200 kg");
   refused([](M& m) { m.mass = std::numeric_limits<double>::quiet_NaN(); }, "mass is nan kg");
   refused([](M& m) { m.arm = 0.11; },
-          "expected at most 0.1556 m, the distance of neighbouring rotors with --arm 0.11 m");
+          "expected at most 0.1556 m, the distance between neighbouring rotors with --arm 0.11 m");
   refused([](M& m) { m.propeller = 0.01; },
           "propeller is 0.01 m in diameter: to carry 1.4 kg, 4 of them would turn at ");
   refused([](M& m) { m.rotors = 5; }, "rotors is 5, expected 4, 6 or 8");
@@ -195,7 +195,8 @@ TEST(NewVehicle, RefusesWhatContradicts) {
         m.max_speed = 900;
         m.hover_speed = 500;
       },
-      "hover-speed, --max-speed and --max-thrust or --thrust-to-weight are given, expected two");
+      "hover-speed, --max-speed and one of --max-thrust and --thrust-to-weight are all given, "
+      "expected two");
   refused(
       [](M& m) {
         m.max_speed = 400;

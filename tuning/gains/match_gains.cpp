@@ -263,7 +263,8 @@ GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
   const std::string pole = unstable_pole(problem, both);
   if (!pole.empty()) {
     match.status = GainMatchStatus::not_stabilizing;
-    match.culprit = "the given gain's loop has " + pole + ", because an LQR gain stabilizes";
+    match.culprit =
+        "the loop of the given gain has " + pole + ", because every LQR gain stabilizes its loop";
     return match;
   }
   const GainPoint first = internal::gain_point(target, w0);

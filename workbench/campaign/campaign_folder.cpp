@@ -47,10 +47,9 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
     const Json& value = here[key];
     if (there.contains(key) && there[key] == value) continue;
     const bool numbers = there.contains(key) && there[key].is_primitive();
-    return ": what differs is " + key +
-           (numbers ? fmt::format(", {} there and {} here", internal::json_text(there[key]),
-                                  internal::json_text(value))
-                    : "");
+    return numbers ? fmt::format(": {} is {} in the folder and {} in the request", key,
+                                 internal::json_text(there[key]), internal::json_text(value))
+                   : fmt::format(": {} differs", key);
   }
   return "";
 }

@@ -262,8 +262,8 @@ DesignOutcome solve_laws(Design design) {
     if (cascade.rate_lead && !usually_on_flown_plant(vehicle))
       throw InvalidInput(where,
                          "cascade.design.rate_lead_s requires a design on the flown plant, but the "
-                         "loops of this vehicle are designed one by one, because its position "
-                         "comes only from a satellite receiver below 5 Hz");
+                         "loops of this vehicle are designed one by one, because it has a "
+                         "satellite receiver below 5 Hz and no optical flow");
     if (cascade.gains.loops.empty() && !cascade.specification)
       outcome.cascade_for_flown_plant =
           design_as_usual(vehicle, cascade, firmwares_of(outcome.design));

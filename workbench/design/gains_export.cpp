@@ -69,11 +69,11 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
   std::string text = "with the filters and the delay of the firmware at their defaults:";
   for (const FirmwareTurn& turn : turns_of(content, target)) {
     if (!turn.whole.stable)
-      throw NoSolution(fmt::format("{}: {} is unstable with the filters and the delay of {} {}, "
-                                   "nothing was written; use a slower design "
-                                   "(pid V --bandwidth)",
+      throw NoSolution(fmt::format("{}: {} is unstable with the filters and the delay of {} {}; "
+                                   "nothing was written; compute gains for this firmware with "
+                                   "`quadtune pid V --for {}`",
                                    content.vehicle.name, to_string(turn.gains.axis), kind.name(),
-                                   target.version),
+                                   target.version, kind.name()),
                        content.vehicle.name);
     text += " " + turn_text(turn) + ";";
   }

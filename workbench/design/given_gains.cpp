@@ -123,7 +123,7 @@ OrderedGains in_order_of(const Gains& gains, const Vehicle& vehicle, const LqrDe
                                          gains.vehicle, vehicle.name));
   if (gains.input_kind != design.input_kind)
     throw InvalidInput(path,
-                       fmt::format("the gains command {}, expected {} as --inputs says",
+                       fmt::format("the gains command {}, expected {}, which --inputs selects",
                                    to_string(gains.input_kind), to_string(design.input_kind)));
   const Gains turned = in_convention(gains, convention(design.convention, "--convention"));
   if (std::ssize(turned.inputs) != std::ssize(design.inputs))

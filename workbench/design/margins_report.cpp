@@ -102,7 +102,7 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
       warnings.push_back(fmt::format("{}: {}", name, what));
     };
     if (!m.stable) {
-      warnings.push_back(name + " is unstable when closed, so that it has no margins");
+      warnings.push_back(name + " is unstable when it is closed");
       continue;
     }
     const double up = decibels(m.gain_margin);

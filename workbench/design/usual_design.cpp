@@ -56,7 +56,7 @@ Design usual_design(const std::string& vehicle, const std::vector<std::string>& 
   const std::filesystem::path path = vehicle;
   return parse_design(
       fmt::format("name = \"{}-flight\"\n"
-                  "description = \"PID cascade of {}, designed on the plant that flies\"\n"
+                  "description = \"PID cascade of {}, designed on the flown plant\"\n"
                   "vehicle = {}\n\n[cascade]\ndt_s = 0.005\n\n[cascade.design]\n\n"
                   "[[mission]]\nname = \"hover\"\n\n[[mission]]\nname = \"step-north\"\n\n"
                   "[[mission]]\nname = \"take-off-and-land\"\n{}",

@@ -276,8 +276,8 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                        : heavy || saturated
                            ? fmt::format("more thrust, or {} with a smaller [[event]]", copy)
                            : fmt::format(
-                                 "`quadtune tune {} {} --mission FILE`, FILE being {} with this "
-                                 "[[event]], or wider [limits]",
+                                 "`quadtune tune {} {} --mission FILE`, where FILE is {} with this "
+                                 "[[event]], or a copy with wider [limits]",
                                  is_cascade(plan) ? "pid" : "lqr", vehicle_of(plan), copy);
       return;
     }

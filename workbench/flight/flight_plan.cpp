@@ -326,8 +326,8 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
   if (windy && !has_aerodynamics(vehicle))
     flight.notes.push_back(
-        fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
-                    "does not move the vehicle",
+        fmt::format("the file of '{}' has no drag, such as drag_area_m2: the wind does not "
+                    "move the vehicle",
                     vehicle.name));
   setup.integrator = words.solver;
   setup.step = options.step.value_or(setup.step);

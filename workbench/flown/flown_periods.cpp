@@ -24,8 +24,8 @@ Controller at_period(Controller law, double dt) {
   if (feedback.gains.memory)
     throw InvalidInput(
         "flown periods",
-        "the law has a memory of its commands with one period; expected gains that can be "
-        "used with another");
+        "the law stores past commands at its own period, so it cannot be analysed at another; "
+        "expected a law without past commands");
   feedback.dt = dt;
   return law;
 }

@@ -53,17 +53,16 @@ void validate(const MeasuredVehicle& m) {
   require(m.blades >= 2 && m.blades <= 8, "blades",
           fmt::format("blades is {}, expected 2 to 8", m.blades));
   const double apart = 2 * m.arm * std::sin(kPi / m.rotors);  // [m], between neighbouring hubs
-  require(
-      m.propeller <= apart, "propeller",
-      fmt::format("propeller is {:.4g} m in diameter, expected at most {:.4g} m, the distance of "
-                  "neighbouring rotors with --arm {:.4g} m from the centre to the axis of a rotor",
-                  m.propeller, apart, m.arm));
+  require(m.propeller <= apart, "propeller",
+          fmt::format(
+              "propeller is {:.4g} m in diameter, expected at most {:.4g} m, the distance between "
+              "neighbouring rotors with --arm {:.4g} m from the centre to the axis of a rotor",
+              m.propeller, apart, m.arm));
   require(!(m.max_thrust && m.thrust_to_weight), "thrust-to-weight",
           "thrust-to-weight and --max-thrust are both given, expected one of them");
-  require(
-      !((m.max_thrust || m.thrust_to_weight) && m.max_speed && m.hover_speed), "hover-speed",
-      "hover-speed, --max-speed and --max-thrust or --thrust-to-weight are given, expected two of "
-      "the three, which determine the thrust curve");
+  require(!((m.max_thrust || m.thrust_to_weight) && m.max_speed && m.hover_speed), "hover-speed",
+          "hover-speed, --max-speed and one of --max-thrust and --thrust-to-weight are all given, "
+          "expected two of the three, which determine the thrust curve");
   if (m.hover_speed && m.max_speed)
     require(*m.max_speed > *m.hover_speed, "max-speed",
             fmt::format("max-speed is {:.6g} rad/s, expected more than the {:.6g} rad/s of "

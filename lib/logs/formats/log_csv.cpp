@@ -285,9 +285,9 @@ class Reader {
       if (rest.empty()) break;
     }
     if (count != table_.columns.size())
-      throw InvalidInput(
-          where(), fmt::format("the row has {} fields, expected {} because there are as many names",
-                               count, table_.columns.size()));
+      throw InvalidInput(where(),
+                         fmt::format("the row has {}, expected {} because there are as many names",
+                                     internal::counted(count, "field"), table_.columns.size()));
   }
 
   std::string_view rest_;

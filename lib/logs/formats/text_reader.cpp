@@ -300,8 +300,8 @@ class TextReader final : public LogReader {
     }
     const double time = rate_hz_ > 0 ? index / rate_hz_ : time_of_row();
     if (count != layout_.roles.size())
-      skip_record(condition_, fmt::format("{}: the row has {} fields, expected {}", lines_.where(),
-                                          count, layout_.roles.size()));
+      skip_record(condition_, fmt::format("{}: the row has {}, expected {}", lines_.where(),
+                                          internal::counted(count, "field"), layout_.roles.size()));
     else if (zero_is_stray_ && ticks_[0].whole == 0 && ticks_[0].rest == 0)
       pass_over_stray();
     else if (std::isnan(time) && groups().front().timed)

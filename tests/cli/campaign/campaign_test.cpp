@@ -264,15 +264,15 @@ TEST_F(Campaign, APlanDoesNotChange) {
       run_program({"campaign", "init", write(replaced(kCampaign, "seed = 4", "seed = 5"), "d.toml"),
                    path("out")});
   EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, HasSubstr("belongs to another campaign: what differs is seed, 4 there "
-                                    "and 5 here; use a new folder"));
+  EXPECT_THAT(result.err, HasSubstr("belongs to another campaign: seed is 4 in the folder and 5 "
+                                    "in the request; use a new folder"));
   EXPECT_THAT(run_program({"campaign", "run", write(), path("out"), "--shards", "2"}).err,
-              HasSubstr("what differs is shards, 1 there and 2 here"));
+              HasSubstr("shards is 1 in the folder and 2 in the request"));
   EXPECT_THAT(
       run_program({"campaign", "run",
                    write(replaced(kCampaign, "deviation = 0.05", "deviation = 0.06")), path("out")})
           .err,
-      HasSubstr("what differs is uncertainty; use a new folder"));
+      HasSubstr("uncertainty differs; use a new folder"));
   const std::string plan = bytes("out/plan.json");
   directory_.write("out/plan.json", replaced(plan, "\"seed\": 4", "\"seed\": 5"));
   for (const std::vector<std::string>& args :

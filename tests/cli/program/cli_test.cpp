@@ -144,9 +144,8 @@ TEST(Help, OfAFirstWordIsThatOfAllItsKinds) {
                      run_program({"help", "tune", "lqr"}).out);
   EXPECT_EQ(run_program({"tune", "--help"}).out, all);
   EXPECT_EQ(json_of({"help", "tune"})["commands"].size(), 3u);
-  EXPECT_THAT(
-      run_program({"tune"}).err,
-      HasSubstr("quadtune tune: the second word is missing, expected kalman or pid or lqr"));
+  EXPECT_THAT(run_program({"tune"}).err,
+              HasSubstr("quadtune tune: the second word is missing, expected kalman, pid or lqr"));
   EXPECT_THAT(run_program({"help", "tune", "lqrr"}).err,
               HasSubstr("no command 'tune lqrr'; did you mean 'tune lqr'?"));
 }

@@ -82,7 +82,8 @@ to = "json"
   const std::string made = (folder.path() / "out").string();
   ASSERT_EQ(run_program({"design", design, "-o", made}).status, 0);
   folder.write("out/gains.json", folder.read("out/gains.json") + " ");
-  expect_refusal(folder, {"certify", made}, "does not verify: gains.json matches the manifest");
+  expect_refusal(folder, {"certify", made},
+                 "does not verify: the check 'gains.json matches the manifest' failed");
 }
 
 TEST(Refusal, OfAFilterWhoseTuningDidNotPass) {

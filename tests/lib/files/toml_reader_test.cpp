@@ -121,7 +121,8 @@ INSTANTIATE_TEST_SUITE_P(
             "file.toml:1: not TOML: 'g' after a value, expected the end of the line, because "
             "the unit is part of the key"},
         TomlRefusal{"TextWithoutQuotes", [] { parse_toml("a = mambo"); },
-                    "file.toml:1: not TOML: the value is of no type, expected a number, a text in "
+                    "file.toml:1: not TOML: the value has no recognizable type, expected a number, "
+                    "a text in "
                     "quotes, true, false, [a list] or {a table}"},
         TomlRefusal{"DecimalComma", [] { parse_toml("a = 0,5"); },
                     "file.toml:1: not TOML: ',' after a value, expected a decimal point, or the "

@@ -116,7 +116,7 @@ TEST(TextLog, ARateCountsRowsAlsoThoseThatAreBroken) {
   const WholeLog log = read_bytes("a,b\n1,2\n1\n5,6\n", with_columns("a,b", 4));
   EXPECT_THAT(log.group("").time, ElementsAre(0, 0.5));
   EXPECT_EQ(log.condition.skipped, 1U);
-  EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has 1 fields, expected 2");
+  EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has 1 field, expected 2");
 }
 
 TEST(TextLog, RefusesColumnsThatAreNotThere) {

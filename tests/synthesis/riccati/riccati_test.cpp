@@ -293,7 +293,7 @@ TEST(Riccati, RefusesWrongInput) {
       {{A, B, Q * nan, R}, false, "care: Q has nan at (1,1), expected finite numbers"},
       {{A, B, Q, R * nan}, false, "care: R has nan at (1,1), expected finite numbers"},
       {{A, B, Q, R, B * nan}, false, "care: N has nan at (1,1), expected finite numbers"},
-      {{A, B, matrix({{1, 0.5}, {0.4, 1}}), R}, false, "they differ by 0.1"},
+      {{A, B, matrix({{1, 0.5}, {0.4, 1}}), R}, false, "which differ by 0.1"},
       {{A, A, Q, matrix({{1, 0.5}, {0.4, 1}})}, false, "care: R is not symmetric"},
       {{A, B, Q, matrix({{-0.1}})}, false, "care: R has eigenvalue -0.1, expected R > 0"},
       {{A, B, Q, matrix({{0}})}, false, "care: R has eigenvalue 0, expected R > 0"},

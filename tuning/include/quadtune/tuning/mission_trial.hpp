@@ -72,9 +72,8 @@ struct TrialLimit {
   [[nodiscard]] double excess() const;
 };
 
-/// Monotone measure of limit violation: `share`, raised to -1 if lower, for values up to 1, where 1
-/// means that the limit is exceeded by 100 %; 2 - 1/share above that, and 2 for values that are not
-/// finite.
+/// Monotone measure of limit violation: max(share, -1) up to a share of 1, at which the limit is
+/// exceeded by 100 %; 2 - 1/share above that, and 2 for values that are not finite.
 [[nodiscard]] double excess_of(double share);
 
 /// Largest excess with which a limit counts as satisfied; it allows for rounding, and for a design
@@ -95,8 +94,8 @@ struct TrialOutcome {
 };
 
 /// Flies controllers as a request defines. A flight that ends early costs at least kFailure, and
-/// more the earlier it ends. The same applies to an event that was never reached, or to a metric
-/// that the reference has and the flight lacks.
+/// more the earlier it ends. In other flights, a metric costs kFailure if its event was never
+/// reached, or if the reference has it and the flight lacks it.
 class MissionTrial {
  public:
   using Stop = std::function<bool()>;      ///< called regularly; true throws Interrupted
@@ -150,7 +149,7 @@ class MissionTrial {
 [[nodiscard]] Estimated paired_difference(const std::vector<double>& first,
                                           const std::vector<double>& second);
 
-/// Minimum number of draws to estimate a quantile: two on either side of it, and two in total.
+/// Minimum number of draws to estimate a quantile: so many that two are expected on either side of it.
 /// @param share  as TrialRequest::share
 [[nodiscard]] std::uint32_t min_draws(double share);
 /// Minimum number of draws for the measure of a request; two for the mean or the worst case.

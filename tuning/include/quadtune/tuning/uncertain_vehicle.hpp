@@ -19,7 +19,8 @@ struct UncertainRange {
   double high = 1;  ///< upper end
 };
 
-/// Uncertainty of a vehicle, as ratios to the values of its file; each parameter is constant.
+/// Uncertainty of a vehicle, whose parameters are constant. Mass, inertia and thrust are ratios to
+/// the values of its file.
 struct VehicleUncertainty {
   UncertainRange mass;     ///< > 0, contains 1
   UncertainRange inertia;  ///< likewise, of each principal moment independently

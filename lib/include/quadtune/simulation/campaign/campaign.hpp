@@ -43,14 +43,14 @@ struct Campaign {
 /// @throws InvalidInput  if the campaign has no such flight, or as apply()
 [[nodiscard]] FlightSetup setup_of(const Campaign& campaign, std::uint64_t number);
 
-/// Checks that the campaign can be flown by checking the first flight of every case.
+/// Checks the first flight of every case, to find out whether the campaign can be flown.
 /// @throws InvalidInput  naming the case and the mistake
 void validate(const Campaign& campaign, const std::string& where);
 
-/// Drawn parameters of all flights, one column per flight as returned by draw().
+/// Drawn parameters of all draws, one column per draw as returned by draw().
 /// @param campaign  accepted by fly_draws()
 /// @param threads   as fly_all()
-/// @return          (quantities × flights)
+/// @return          (quantities × draws)
 [[nodiscard]] Eigen::MatrixXd all_draws(const Campaign& campaign, std::size_t threads = 0);
 
 /// The stored result of one flight.

@@ -57,11 +57,11 @@ struct ChosenLaw {
                                    const std::string& who);
 
 /// Whether the cascade is designed on the flown plant by default. Position fixes below 5 Hz
-/// dominate the cost of that design, so that its loops are slower than by the loop-by-loop rules.
+/// dominate the cost of that design, so that its loops are slower than those of the loop-by-loop rules.
 [[nodiscard]] bool usually_on_flown_plant(const Vehicle& vehicle);
 
-/// The default specification of a cascade: a design within the published gains or the usual bounds,
-/// at the published period or kUsualPeriod.
+/// The default specification of a cascade: a design within the bounds of the published gains or
+/// the usual bounds, at the published period or kUsualPeriod.
 [[nodiscard]] CascadeSpecification usual_specification(const Vehicle& vehicle);
 
 /// Bandwidth of the slower loop of x and y [rad/s]; 0 if there is none.

@@ -32,8 +32,8 @@ namespace quadtune {
 /// Number of flights of each mission of a design; all of them must pass.
 inline constexpr std::uint32_t kDesignSeeds = 5;
 
-/// The disturbed flights of a design: a gust with this speed [m/s] and duration [s], and a load
-/// with this share of the mass that is picked up, both in the middle of the mission. Their limits
+/// The two disturbed flights of a design: one with a gust of this speed [m/s] and duration [s], one
+/// in which the vehicle picks up a load, each in the middle of the mission. Their limits
 /// on position, height and heading are those of the mission times kDisturbedSlack; settling,
 /// overshoot and rms values have no limits.
 inline constexpr double kGustSpeed = 3;
@@ -67,8 +67,9 @@ struct DesignOutcome {
   std::optional<Gains> gains;             ///< the state feedback that flies; empty if there is none
   std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; only if dt >
                                          ///< 0
-  Eigen::VectorXcd poles;                ///< of the flown loop, integrals included
-  std::optional<MarginsReport> margins;  ///< of the flown loop, cut at the plant's inputs
+  Eigen::VectorXcd poles;                ///< of the plant of the law's design, integrals included
+  std::optional<MarginsReport> margins;  ///< of the flown loop for `lqi` and `matrix`, otherwise of
+                                         ///< the ideal plant; cut at the plant's inputs
   std::optional<CascadeReport> cascade;  ///< of the PID cascade; empty if there is none
   bool cascade_for_flown_plant = false;  ///< whether the cascade was designed for the flown plant
   std::vector<DesignedFilter> filters;   ///< one for each of Design::kalman
@@ -77,7 +78,7 @@ struct DesignOutcome {
   /// The loops of the laws with motor lag, sensors and estimator. For a state feedback designed on
   /// the ideal plant, with margins.
   std::vector<FlownLaw> flown;
-  /// For each mission of the design worst_of() the flights with its seeds.
+  /// For each mission of the design the result of worst_of() for the flights with its seeds.
   std::vector<FlownFlight> flights;
   /// The same missions with a gust and with a load; see fly_disturbed().
   std::vector<FlownFlight> disturbed = {};
@@ -175,7 +176,7 @@ struct DesignRequirements {
                                                      std::uint64_t seed,
                                                      const std::function<bool()>& stop = {});
 
-/// Whether the flown loop of every law is stable.
+/// Whether the flown loop of every law was analysed and has no growing mode.
 [[nodiscard]] bool laws_hold(const DesignOutcome& outcome);
 
 /// Whether every mission passed, including the disturbed flights.

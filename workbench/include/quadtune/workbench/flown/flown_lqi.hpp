@@ -36,7 +36,8 @@ struct FlownLqiOptions {
   /// None: by Bryson's rule, softened until the margins are met. Given weights are not changed.
   std::optional<ActuatorLqiWeights> weights = {};
   /// Number of control periods over which the law predicts, see ActuatorLqiOptions. None: the delay
-  /// of the gyroscope and up to four more, whichever gives the largest margins.
+  /// of commands and gyroscope, and 1, 2 and 4 periods more; of the laws that meet the margins, the
+  /// one whose weights were changed least.
   std::optional<int> past = {};
   int min_past = 0;  ///< minimum of the tried numbers if `past` is none
 };

@@ -69,7 +69,7 @@ struct NewVehicle {
 /// by the propeller's diameter. Rotors are numbered clockwise from the front left one (x) or the
 /// front one (plus), and turn in alternate directions. The ground effect is left out, because the
 /// height of the hubs above the ground is not measured.
-/// @throws OptionError  naming the member, for one out of range or for members that contradict
+/// @throws OptionError  naming the member, if one is out of range or members contradict each other
 /// Theory: "Estimated vehicles".
 [[nodiscard]] NewVehicle new_vehicle(const MeasuredVehicle& measured);
 
