@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "firmware/turn_parts.hpp"
 #include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/files/file_kind.hpp"
 
 namespace quadtune {
@@ -46,10 +48,25 @@ const std::string& checked_export(const std::string& name, const std::vector<std
   return name;
 }
 
+/// The line of the lead of the rate, half the motor lag, for a vehicle with slow motors: without it,
+/// their lag limits how fast and how well damped the tilt loops are. A firmware has a lead of its
+/// own, or none.
+std::string lead_of(const Vehicle& vehicle, const std::vector<std::string>& to) {
+  constexpr double kSlowMotors = 0.02;  // [s], four periods: a shorter lead is lost in sampling
+  const bool for_firmware = std::any_of(to.begin(), to.end(), [](const std::string& name) {
+    return export_target(name, "").is_firmware;
+  });
+  if (internal::rotor_lag(vehicle) < kSlowMotors || for_firmware ||
+      !usually_on_flown_plant(vehicle))
+    return "";
+  return fmt::format("rate_lead_s = {:.3g}\n", internal::usual_rate_lead(vehicle));
+}
+
 }  // namespace
 
 Design usual_design(const std::string& vehicle, const std::vector<std::string>& to) {
-  const std::string name = load_vehicle(vehicle).name;
+  const Vehicle loaded = load_vehicle(vehicle);
+  const std::string& name = loaded.name;
   std::string exports;
   for (const std::string& one : to.empty() ? std::vector<std::string>{"json", "c"} : to)
     exports += "\n[[export]]\nto = " + quoted(checked_export(one, to)) + "\n";
@@ -57,10 +74,10 @@ Design usual_design(const std::string& vehicle, const std::vector<std::string>& 
   return parse_design(
       fmt::format("name = \"{}-flight\"\n"
                   "description = \"PID cascade of {}, designed on the flown plant\"\n"
-                  "vehicle = {}\n\n[cascade]\ndt_s = 0.005\n\n[cascade.design]\n\n"
+                  "vehicle = {}\n\n[cascade]\ndt_s = 0.005\n\n[cascade.design]\n{}\n"
                   "[[mission]]\nname = \"hover\"\n\n[[mission]]\nname = \"step-north\"\n\n"
                   "[[mission]]\nname = \"take-off-and-land\"\n{}",
-                  name, name, quoted(path.filename().string()), exports),
+                  name, name, quoted(path.filename().string()), lead_of(loaded, to), exports),
       "the usual design of " + vehicle, path.parent_path());
 }
 

@@ -94,12 +94,8 @@ void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
   if (!options.rate_lead && filter > 0 &&
       std::all_of(firmwares.begin(), firmwares.end(), [](const Firmware& firmware) {
         return firmware.kind == FirmwareKind::px4 || firmware.kind == FirmwareKind::ardupilot;
-      })) {
-    // Near the ratio of the defaults, D/P of 20 to 27 ms for motors of 40 to 60 ms. A larger lead
-    // amplifies more of the gyroscope's noise.
-    constexpr double kShareOfLag = 0.5;
-    options.rate_lead = kShareOfLag * internal::rotor_lag(vehicle);
-  }
+      }))
+    options.rate_lead = internal::usual_rate_lead(vehicle);
   if (options.rate_lead.value_or(0) == 0 || options.rate_filter > 0) return;
   // That of the defaults of PX4 and ArduPilot, 20 ms to 5.3 ms and 27 ms to 8 ms.
   constexpr double kLeadPerFilter = 4;

@@ -28,6 +28,13 @@ namespace quadtune::internal {
   return lag;
 }
 
+/// The usual lead of the rate [s], half the motor lag. This is near the ratio of the defaults of
+/// PX4 and ArduPilot, D/P of 20 to 27 ms for motors of 40 to 60 ms. A larger lead amplifies more of
+/// the gyroscope's noise.
+[[nodiscard]] inline double usual_rate_lead(const Vehicle& vehicle) {
+  return 0.5 * rotor_lag(vehicle);
+}
+
 }  // namespace quadtune::internal
 
 namespace quadtune {
