@@ -127,6 +127,20 @@ TEST(UsualDesign, ExportsWhatIsAskedFor) {
   EXPECT_EQ(exports({"px4", "json"}), (Names{"px4", "json"}));
 }
 
+TEST(UsualDesign, HasALeadOfHalfTheLagIfTheMotorsAreSlow) {
+  const auto lead = [](const std::string& vehicle, const std::vector<std::string>& to) {
+    return usual_design(vehicle, to).cascade->rate_lead;
+  };
+  const std::string quad = testing::source_folder() + "/vehicles/quad-450.toml";
+  EXPECT_EQ(lead(quad, {}), 0.025);  // half of the 50 ms of falling speed
+  EXPECT_EQ(lead("crazyflie", {"json"}), 0.036);
+  // A firmware has its own lead, or none; the motors of a Mambo have no lag; the loops of a uquad
+  // are designed one by one.
+  EXPECT_EQ(lead(quad, {"json", "px4"}), std::nullopt);
+  EXPECT_EQ(lead("mambo", {}), std::nullopt);
+  EXPECT_EQ(lead("uquad", {}), std::nullopt);
+}
+
 TEST(UsualDesign, RefusesExportsThatDoNotExistOrHoldNoCascade) {
   const std::map<std::string, std::vector<std::string>> refused = {
       {"to: no export to 'px5', expected uquad, mambo, json, mat, c, px4, ardupilot, betaflight, "

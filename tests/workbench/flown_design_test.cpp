@@ -15,6 +15,7 @@
 #include "quadtune/workbench/flown/flown_gains.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 #include "quadtune/workbench/flown/flown_lqi.hpp"
+#include "quadtune/workbench/vehicle/new_vehicle.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 
@@ -55,6 +56,28 @@ TEST_P(FlownDesign, CascadeKeepsItsBounds) {
     const FlownLoop loop = flown_loop(plan, at);
     EXPECT_TRUE(loop.stable()) << height << ": " << describe(loop);
   }
+}
+
+/// The reaction torque of its rotors is 27 times their drag torque: a torque about yaw depends first
+/// on the acceleration of the rotors. The regulator for the lag then needs its gains on the rotors.
+TEST(FlownDesignOfATinyHexacopter, IsFoundAndKeepsItsBounds) {
+  MeasuredVehicle measured;
+  measured.name = "tiny";
+  measured.mass = 0.0876;
+  measured.arm = 0.0378;
+  measured.propeller = 0.0363;
+  measured.rotors = 6;
+  measured.layout = FrameLayout::plus;
+  measured.first_spin = Spin::counter_clockwise;
+  measured.thrust_to_weight = 2.74;
+  measured.motor_lag = 0.008;
+  const Vehicle vehicle = new_vehicle(measured).vehicle;
+  const FlownGains gains = flown_gains(vehicle);
+  EXPECT_LE(gains.Ms(), 2 * 1.005);
+  EXPECT_GE(gains.disk(), 0.5 / 1.005);
+  const FlownLoop loop =
+      flown_loop(plan_of(vehicle, CascadeController{as_cascade(gains, 0.005)}), FlownLoopOptions{});
+  EXPECT_TRUE(loop.stable()) << describe(loop);
 }
 
 /// Heights, 45° and 6 dB at every output of the law with the estimator in the loop.
