@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/synthesis/actuator_lqi.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
@@ -103,15 +103,6 @@ MatrixXd start_of(const Vehicle& vehicle, const StandardAxes& weights, double dt
   MatrixXd all(4, 16);
   all << lqi.gains.K, lqi.gains.K_int;
   return all;
-}
-
-/// The same vehicle with rotors that follow their command at once.
-Vehicle without_lag(Vehicle vehicle) {
-  for (Rotor& rotor : vehicle.rotors) {
-    rotor.lag = 0;
-    rotor.lag_down = std::numeric_limits<double>::quiet_NaN();
-  }
-  return vehicle;
 }
 
 /// Slows the loop by `factor`: the gain on the nth derivative of a deviation is scaled by
