@@ -448,9 +448,14 @@ class Assembly {
     constexpr double kRoundingOnly = 1e-13;
     VectorXd size(width());
     size.head(nz_) = scale_;
-    // The magnitude of an input is that which changes some state by its typical magnitude.
-    for (Index j = nz_; j < width(); ++j)
-      size(j) = 1 / rows.col(j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
+    // The magnitude of an input, now or earlier, is that which changes some state by its typical
+    // magnitude.
+    const auto typical = [&](Index j) {
+      return 1 / rows.col(j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
+    };
+    for (Index j = nz_; j < width(); ++j) size(j) = typical(j);
+    for (Index j = history_at_; j < history_at_ + history_ * nu_; ++j)
+      size(j) = std::min(size(j), typical(j));
     for (Index j = 0; j < rows.cols(); ++j)
       for (Index i = 0; i < rows.rows(); ++i)
         if (std::abs(rows(i, j)) * size(j) <= kRoundingOnly * scale_(i)) rows(i, j) = 0;

@@ -10,7 +10,6 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/synthesis/actuator_lqi.hpp"
-#include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
@@ -225,28 +224,18 @@ void add_tilt_integral(AxisLaw& law, const FlownAxisGains& without) {
   law.load = kCountedTilt * Kp;
 }
 
-/// The part of start_of() that belongs to a group of axes.
-RowVectorXd row_of(const MatrixXd& start, FlownAxis axis) {
-  const std::vector<Index>& states = states_of(axis);
-  RowVectorXd part(std::ssize(states) + 1);
-  for (std::size_t j = 0; j < states.size(); ++j)
-    part(static_cast<Index>(j)) = start(wrench_of(axis), states[j]);
-  part(part.size() - 1) = start(wrench_of(axis), 12 + static_cast<Index>(axis));
-  return part;
-}
-
-/// @param starts  of start_of(), to be tried in this order
 FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMember>& family,
-                      FlownAxis axis, const AxisWeights& weights,
-                      const std::vector<MatrixXd>& starts, const FlownGainsOptions& options) {
+                      FlownAxis axis, const AxisWeights& weights, const MatrixXd& regulator,
+                      const FlownGainsOptions& options) {
+  const std::vector<Index>& states = states_of(axis);
+  RowVectorXd start(std::ssize(states) + 1);
+  for (std::size_t j = 0; j < states.size(); ++j)
+    start(static_cast<Index>(j)) = regulator(wrench_of(axis), states[j]);
+  start(start.size() - 1) = regulator(wrench_of(axis), 12 + static_cast<Index>(axis));
   AxisLaw law = law_of(axis, options);
   const MarginBounds bounds = bounds_of(options, axis);
-  FlownAxisGains result;
-  for (const MatrixXd& start : starts) {
-    result = search_from(row_of(start, axis), family, law, weights, bounds);
-    if (result.search.status != FixedGainsStatus::unstable_start) break;
-  }
-  const bool tilts = states_of(axis).size() == 4;
+  FlownAxisGains result = search_from(start, family, law, weights, bounds);
+  const bool tilts = states.size() == 4;
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
   if (load_of(vehicle, axis) <= kMaxLoadTilt * std::abs(result.F(2))) return result;
   add_tilt_integral(law, result);
@@ -291,13 +280,10 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
   FlownGains result;
   result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
-  // Where the reaction torque of the rotors is much larger than their drag torque, the regulator for
-  // the lag depends on the actuator states, and its other gains alone stabilize nothing.
-  const std::vector<MatrixXd> starts = {start_of(vehicle, weights, options.dt),
-                                        start_of(without_lag(vehicle), weights, options.dt)};
+  const MatrixXd start = start_of(vehicle, weights, options.dt);
   result.axes.resize(kFlownAxes.size());
   const auto one = [&](std::size_t i) {
-    result.axes[i] = design(vehicle, result.family, kFlownAxes[i], weights[i], starts, options);
+    result.axes[i] = design(vehicle, result.family, kFlownAxes[i], weights[i], start, options);
   };
   internal::in_parallel(kFlownAxes.size(), internal::thread_count(0), [&] { return one; }, {});
   for (const FlownAxisGains& axis : result.axes)
