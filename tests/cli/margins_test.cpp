@@ -49,7 +49,7 @@ TEST(MarginsVerb, WarnsByName) {
   EXPECT_EQ(low.err, "margins: warning: the loop: phase margin 29.1 deg, less than 30 deg\n");
   const ProgramResult unstable = run_program({"margins", "--num", "1", "--den", "1,0,0"});
   EXPECT_THAT(unstable.out, HasSubstr("UNSTABLE"));
-  EXPECT_THAT(unstable.err, HasSubstr("the loop is unstable when closed"));
+  EXPECT_THAT(unstable.err, HasSubstr("the loop is unstable when it is closed"));
 }
 
 // A delay of whole samples is the same given as an option and as poles at 0.

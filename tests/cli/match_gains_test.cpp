@@ -239,7 +239,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
     turned[at] = ' ';
   const std::string file = folder_.write("turned.toml", turned).string();
   refused({"tune", "lqr", "uquad", "--match-gains", file}, 4,
-          "turned.toml: the given gain's loop has a pole of modulus");
+          "turned.toml: the loop of the given gain has a pole of modulus");
   // Without [published], the gains of a design are those of its weights.
   const std::string bare = turned.substr(0, turned.find("[published]"));
   const ProgramResult own = run_program(

@@ -340,7 +340,7 @@ TEST(MatchGains, RejectsAGainThatDoesNotStabilize) {
   const GainMatch match = match_gains(plant, uquad_problem(), -p.K, p.K_int);
   EXPECT_EQ(match.status, GainMatchStatus::not_stabilizing);
   EXPECT_FALSE(match.has_weights());
-  EXPECT_THAT(match.culprit, HasSubstr("the given gain's loop has a pole of modulus 1."));
+  EXPECT_THAT(match.culprit, HasSubstr("the loop of the given gain has a pole of modulus 1."));
 }
 
 // An integral that is not fed back keeps its value.
