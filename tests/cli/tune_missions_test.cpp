@@ -321,7 +321,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--method", "continuous"}, 2,
           "--method is continuous, expected discrete or sampled");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
-          "--inputs requires --Q and --R");
+          "--inputs other than wrench requires --Q and --R");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
           "--report is for missions");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
@@ -330,7 +330,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
           "--mission is for missions");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
-          "expected --Q and --R with --convention");
+          "--convention and --states require --Q and --R");
   const auto file = [&](const std::string& from, const std::string& to) {
     return directory.write("r.toml", with_text(kRequirements, from, to)).string();
   };

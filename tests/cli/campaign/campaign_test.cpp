@@ -492,7 +492,7 @@ TEST_F(Campaign, RefusesBadCommandLines) {
     EXPECT_EQ(result.status, status) << message;
     EXPECT_THAT(result.err, HasSubstr(message));
   };
-  refuses({"campaign"}, 2, "init or work or status or merge or run or replay");
+  refuses({"campaign"}, 2, "init, work, status, merge, run or replay");
   refuses({"campaign", "worc"}, 2, "did you mean 'work'?");
   refuses({"campaign", "init"}, 2, "expected a campaign file and a folder");
   refuses({"campaign", "work", path("out")}, 2, "--shard is missing, expected the part to fly");
