@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/exports/firmware_filters.hpp"
 
+#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -106,6 +107,12 @@ double derivative_time(const Firmware& firmware, CascadeAxis axis, const Paramet
   for (const LowPass& filter : loop_filters(firmware, axis, value).derivative)
     sum += (filter.order == 2 ? std::numbers::sqrt2 : 1) / (2 * std::numbers::pi * filter.cutoff);
   return sum;
+}
+
+bool exists_with_error_lead(double a, double b, double lead) {
+  if (!(3 * lead * a < 1)) return false;
+  const double lowest = (1 + std::sqrt(1 - 3 * lead * a)) / (3 * lead);
+  return ((lead * lowest - 1) * lowest + a) * lowest - b <= 0;
 }
 
 LoopRates loop_rates(const Firmware& firmware, const ParameterValues& value) {

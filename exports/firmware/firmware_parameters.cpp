@@ -10,6 +10,7 @@
 #include "firmware/px4_mixer.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/firmware_filters.hpp"
 #include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
@@ -169,7 +170,7 @@ class Writer {
     const double a = sizes.Kp / sizes.Kd, b = sizes.Ki / sizes.Kd, lead = sizes.lead;
     const auto f = [&](double A) { return ((lead * A - 1) * A + a) * A - b; };
     const double lowest = (1 + std::sqrt(std::max(0.0, 1 - 3 * lead * a))) / (3 * lead);
-    if (!(3 * lead * a < 1) || !(f(lowest) <= 0))
+    if (!internal::exists_with_error_lead(a, b, lead))
       throw InvalidInput(
           name_, fmt::format("the {} loop has rate_lead {:.6g} s, expected less than about {:.3g} "
                              "s, because the firmware differentiates the error of the rate",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "firmware/turn_parts.hpp"
@@ -102,6 +103,20 @@ void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
   options.rate_filter = firmwares.empty() ? *options.rate_lead / kLeadPerFilter : filter;
 }
 
+/// The factor by which the lead of roll and pitch must be reduced, so that ArduPilot, whose D acts on
+/// the error of the rate, can represent both loops; 1 if it can.
+double excess_of_lead(const CascadeGains& gains) {
+  constexpr double kReserve = 0.9;
+  double factor = 1;
+  for (const PidLoop& loop : gains.loops) {
+    if (loop.rate_lead == 0) continue;
+    const double a = std::abs(loop.Kp / loop.Kd), b = std::abs(loop.Ki / loop.Kd);
+    if (!internal::exists_with_error_lead(a, b, loop.rate_lead))
+      factor = std::min({factor, kReserve, kReserve * 0.25 / a / loop.rate_lead});
+  }
+  return factor;
+}
+
 }  // namespace
 
 CascadeStructure structure_of(FirmwareKind kind) {
@@ -113,9 +128,20 @@ FlownGains firmware_gains(const Vehicle& vehicle, const std::vector<Firmware>& f
   for (const Firmware& firmware : firmwares)
     if (structure_of(firmware.kind) == CascadeStructure::p_pi)
       options.structure = CascadeStructure::p_pi;
+  const bool free = !options.rate_lead;
   choose_lead(vehicle, firmwares, options);
   const double bound = options.bounds.Ms;
   FlownGains gains = flown_gains(vehicle, options);
+  const bool on_error = std::any_of(firmwares.begin(), firmwares.end(), [](const Firmware& one) {
+    return one.kind == FirmwareKind::ardupilot;
+  });
+  constexpr int kMaxShorterLeads = 8;
+  for (int i = 0; free && on_error && i < kMaxShorterLeads; ++i) {
+    const double factor = excess_of_lead(as_cascade(gains, options.dt));
+    if (factor == 1) break;
+    options.rate_lead = factor * *options.rate_lead;
+    gains = flown_gains(vehicle, options);
+  }
   std::array<BoundSearch, kFlownAxes.size()> searches;
   searches.fill(BoundSearch(bound));
   constexpr int kMaxRedesigns = 8;

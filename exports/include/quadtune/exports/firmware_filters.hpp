@@ -33,6 +33,13 @@ struct LoopFilters {
 [[nodiscard]] double derivative_time(const Firmware& firmware, CascadeAxis axis,
                                      const ParameterValues& value);
 
+/// Whether a loop with a lead of the rate can be represented by a gain on the angle before a PID
+/// controller whose D acts on the error of the rate: the polynomial lead A³ - A² + a A - b of its
+/// outer gain A falls to 0 again. Theory: "Cascades of autopilots".
+/// @param a, b  |Kp/Kd| and |Ki/Kd| of the loop
+/// @param lead  [s], > 0
+[[nodiscard]] bool exists_with_error_lead(double a, double b, double lead);
+
 /// Sample rates of a firmware's loops [Hz].
 struct LoopRates {
   double rate = 0;      ///< body rate loops
