@@ -12,6 +12,7 @@
 #include "quadtune/workbench/design/usual_design.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
+#include "quadtune/workbench/vehicle/new_vehicle.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 
@@ -99,6 +100,27 @@ TEST(FirmwareGains, LeadOnRequestReplacesTheOneThatIsChosen) {
   EXPECT_GT(with.Kp, 1.2 * without.Kp);
   if constexpr (testing::kSanitized) return;  // minutes of designs like those above
   EXPECT_EQ(roll_of({firmware(FirmwareKind::px4, {}, "test")}, 0).rate_lead, 0);
+}
+
+// With a lead of half the lag of brushed motors, no gain on the angle before a PID controller of the
+// rate, whose D acts on the error, has the loops of a small vehicle. A shorter lead has.
+TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
+  if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
+  MeasuredVehicle measured;
+  measured.name = "toy";
+  measured.mass = 0.047;
+  measured.arm = 0.034;
+  measured.propeller = 0.0447;
+  measured.brushed = true;
+  measured.thrust_to_weight = 2.2;
+  measured.sensors = SensorSet::flow;
+  const Vehicle vehicle = new_vehicle(measured).vehicle;
+  const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {}, "test");
+  const CascadeGains gains = as_cascade(firmware_gains(vehicle, {ardupilot}, {}), 0.005);
+  const double lead = gains.loops[index_of(CascadeAxis::roll)].rate_lead;
+  EXPECT_LT(lead, 0.9 * 0.039);
+  EXPECT_GT(lead, 0.01);
+  EXPECT_LT(worst_Ms(ardupilot, vehicle, gains), 2.041);
 }
 
 TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {
