@@ -103,9 +103,9 @@ void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
   options.rate_filter = firmwares.empty() ? *options.rate_lead / kLeadPerFilter : filter;
 }
 
-/// The factor by which the lead of roll and pitch must be reduced, so that ArduPilot, whose D acts on
-/// the error of the rate, can represent both loops; 1 if it can.
-double excess_of_lead(const CascadeGains& gains) {
+/// The factor by which the lead of roll and pitch must be multiplied so that ArduPilot, whose D acts
+/// on the error of the rate, can represent both loops; 1 if it can represent them already.
+double lead_factor(const CascadeGains& gains) {
   constexpr double kReserve = 0.9;
   double factor = 1;
   for (const PidLoop& loop : gains.loops) {
@@ -128,7 +128,7 @@ FlownGains firmware_gains(const Vehicle& vehicle, const std::vector<Firmware>& f
   for (const Firmware& firmware : firmwares)
     if (structure_of(firmware.kind) == CascadeStructure::p_pi)
       options.structure = CascadeStructure::p_pi;
-  const bool free = !options.rate_lead;
+  const bool lead_is_free = !options.rate_lead;
   choose_lead(vehicle, firmwares, options);
   const double bound = options.bounds.Ms;
   FlownGains gains = flown_gains(vehicle, options);
@@ -136,8 +136,8 @@ FlownGains firmware_gains(const Vehicle& vehicle, const std::vector<Firmware>& f
     return one.kind == FirmwareKind::ardupilot;
   });
   constexpr int kMaxShorterLeads = 8;
-  for (int i = 0; free && on_error && i < kMaxShorterLeads; ++i) {
-    const double factor = excess_of_lead(as_cascade(gains, options.dt));
+  for (int i = 0; lead_is_free && on_error && i < kMaxShorterLeads; ++i) {
+    const double factor = lead_factor(as_cascade(gains, options.dt));
     if (factor == 1) break;
     options.rate_lead = factor * *options.rate_lead;
     gains = flown_gains(vehicle, options);
