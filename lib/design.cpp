@@ -45,6 +45,25 @@ std::string dotted(const TomlTable& table, const std::string& key) {
   return title.substr(1, title.size() - 2) + "." + key;
 }
 
+/// Weights, one number for each of the names.
+Eigen::VectorXd read_weights_of_each(const TomlTable& table, const std::string& key,
+                                     Eigen::Index size, const std::string& names,
+                                     const Range& range) {
+  const std::string name = dotted(table, key);
+  if (table.is_list_of_lists(key))
+    throw InvalidInput(table.where(key),
+                       fmt::format("{} is a matrix, expected {} numbers ({}), because the weights "
+                                   "on the flown plant are diagonal",
+                                   name, size, names));
+  Eigen::VectorXd weights = table.vector(key, range);
+  if (weights.size() != size)
+    throw InvalidInput(
+        table.where(key),
+        fmt::format("{} has {}, expected {} ({})", name,
+                    internal::counted(weights.size(), "entry", "entries"), size, names));
+  return weights;
+}
+
 // A symmetric matrix with one row per name; a list gives its diagonal, a list of lists the full
 // matrix.
 // @param names  names of the rows for messages: "inputs: w1 w2 w3 w4".
@@ -59,13 +78,7 @@ Eigen::MatrixXd read_weight(const TomlTable& table, const std::string& key, Eige
     require_symmetric(M, table.where(key), name);
     return M;
   }
-  const Eigen::VectorXd diagonal = table.vector(key, range);
-  if (diagonal.size() != size)
-    throw InvalidInput(
-        table.where(key),
-        fmt::format("{} has {}, expected {} ({})", name,
-                    internal::counted(diagonal.size(), "entry", "entries"), size, names));
-  return diagonal.asDiagonal();
+  return read_weights_of_each(table, key, size, names, range).asDiagonal();
 }
 
 Eigen::MatrixXd read_shaped(const TomlTable& table, const std::string& key, Eigen::Index rows,
@@ -176,7 +189,7 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
   const auto weights = [&](const char* key, const std::vector<std::string>& names, const char* what,
                            const Range& range) -> std::optional<Eigen::VectorXd> {
     if (!table.has(key)) return std::nullopt;
-    return read_weight(table, key, std::ssize(names), what + joined(names), range).diagonal();
+    return read_weights_of_each(table, key, std::ssize(names), what + joined(names), range);
   };
   if (table.has("integral")) lqi.integrals = read_names(table, "integral", states);
   if (table.has("dt_s")) lqi.dt = table.number("dt_s", Range::positive());

@@ -233,6 +233,9 @@ TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {
   refused(head + "method = 'sampled'\n", "d.toml:5: key 'method' in [lqr] is not known");
   refused(head + "R = [1, 2, 3]\n",
           "lqr.R has 3 entries, expected 4 (inputs: T tau_x tau_y tau_z)");
+  refused(head + "R = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.5], [0, 0, 0.5, 1]]\n",
+          "d.toml:5: lqr.R is a matrix, expected 4 numbers (inputs: T tau_x tau_y tau_z), because "
+          "the weights on the flown plant are diagonal");
   refused(head + "past = 41\n", "past");
   refused(head + "past = 0\nchange = [1, 1, 1, 1]\n", "expected a whole number from 1 to 40");
   refused(head + "[[export]]\nto = 'mambo'\n",
