@@ -135,8 +135,8 @@ void add_weight(py::module_& module) {
                     "Upper end of the interval; infinite if not determined.")
       .def_property_readonly(
           "verdict", [](const MatchedWeight& self) { return to_string(self.verdict); },
-          "How well the gain determines it: empty, \"hardly seen\", \"in combination\", \"not\n"
-          "seen\", \"at zero\" or \"fixed\".")
+          "How well the gain determines it: empty, \"poorly determined\", \"in\n"
+          "combination\", \"not determined\", \"at zero\" or \"fixed\".")
       .def("__repr__", [](const MatchedWeight& self) {
         return fmt::format("<MatchedWeight {} = {}>", self.name, self.value);
       });

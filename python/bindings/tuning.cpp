@@ -75,7 +75,7 @@ void add_kalman(py::module_& module) {
       .def_readonly("high", &FittedParameter::high, "Upper end of the interval; may be NaN.")
       .def_property_readonly(
           "verdict", [](const FittedParameter& self) { return to_string(self.verdict); },
-          "\"seen\", \"at zero\", \"not seen\", ...")
+          "\"determined\", \"at zero\", \"not determined\", ...")
       .def("__repr__", [](const FittedParameter& self) {
         return fmt::format("<FittedParameter {} = {}>", self.name, self.value);
       });

@@ -56,11 +56,14 @@ std::string weight_table(const GainMatch& match) {
 bool can_be_lqr(const GainMatch& match) { return match.weighted_sensitivity <= 1 + kRounding; }
 
 std::string kalman_line(const GainMatch& match) {
+  // Only for a continuous plant does the inequality not depend on Q.
+  const char* why = can_be_lqr(match) ? "at most 1, as for every LQR gain"
+                    : match.design.method == LqrMethod::continuous
+                        ? "more than 1, so no weights of the states, diagonal or not, give this "
+                          "gain with this R"
+                        : "more than 1, so the gain is not optimal for these weights";
   return fmt::format("weighted sensitivity {:.6g} at {:.4g} rad/s: {}", match.weighted_sensitivity,
-                     match.weighted_sensitivity_at,
-                     can_be_lqr(match) ? "at most 1, as for every LQR gain"
-                                       : "more than 1, so no weights of the states, diagonal or "
-                                         "not, give this gain with this R");
+                     match.weighted_sensitivity_at, why);
 }
 
 std::string problem_line(const LqrDesign& design) {
@@ -172,7 +175,7 @@ std::string to_text(const GainMatchReport& report) {
                                          "geometric mean of R is that of the start",
                                          report.tolerance));
   if (!match.unseen.empty())
-    text += section("not seen", fmt::format("{}", internal::joined(match.unseen, "\n")));
+    text += section("not determined", fmt::format("{}", internal::joined(match.unseen, "\n")));
   text += section(
       "difference",
       fmt::format(

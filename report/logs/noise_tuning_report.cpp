@@ -359,7 +359,7 @@ std::string to_text(const TunedNoise& tuned) {
     text += section("left out", left_out_lines(tuned.tuning.left_out));
   text += section("fit", fit_line(tuned.tuning));
   text += section("noise", parameter_table(tuned));
-  if (!fit.unseen.empty()) text += section("not seen", internal::joined(fit.unseen, "\n"));
+  if (!fit.unseen.empty()) text += section("not determined", internal::joined(fit.unseen, "\n"));
   text += section("likelihood", likelihood_line(fit));
   if (!tuned.tuning.after.outputs.empty())
     text += section("innovations", innovation_table(tuned.tuning));

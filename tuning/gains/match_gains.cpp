@@ -232,9 +232,9 @@ std::string to_string(GainMatchStatus status) {
 
 constexpr internal::EnumName<WeightVerdict> kWeightVerdicts[] = {
     {WeightVerdict::seen, ""},
-    {WeightVerdict::hardly_seen, "hardly seen"},
+    {WeightVerdict::hardly_seen, "poorly determined"},
     {WeightVerdict::combination, "in combination"},
-    {WeightVerdict::not_seen, "not seen"},
+    {WeightVerdict::not_seen, "not determined"},
     {WeightVerdict::at_zero, "at zero"},
     {WeightVerdict::fixed, "fixed"}};
 

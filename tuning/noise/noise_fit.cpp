@@ -312,8 +312,8 @@ class Fit {
 }  // namespace
 
 constexpr internal::EnumName<ParameterVerdict> kParameterVerdicts[] = {
-    {ParameterVerdict::fixed, "fixed"},         {ParameterVerdict::seen, "seen"},
-    {ParameterVerdict::at_zero, "at zero"},     {ParameterVerdict::not_seen, "not seen"},
+    {ParameterVerdict::fixed, "fixed"},         {ParameterVerdict::seen, "determined"},
+    {ParameterVerdict::at_zero, "at zero"},     {ParameterVerdict::not_seen, "not determined"},
     {ParameterVerdict::not_known, "not known"}, {ParameterVerdict::combination, "in combination"}};
 
 std::string to_string(ParameterVerdict verdict) {

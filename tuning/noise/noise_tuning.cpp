@@ -206,7 +206,7 @@ class Tuner {
         begin_(std::chrono::steady_clock::now()) {
     require(options.seconds > 0, "seconds", options.seconds, "a positive number");
     require(options.holdout >= 0 && options.holdout <= 0.9, "holdout", options.holdout, "0 to 0.9");
-    require(options.max_rejected >= 0 && options.max_rejected < 1, "most_refused",
+    require(options.max_rejected >= 0 && options.max_rejected < 1, "max_rejected",
             options.max_rejected, "0 or more and less than 1");
   }
 

@@ -40,7 +40,7 @@ enum class WeightVerdict {
   fixed,        ///< 0 in the start, and held there
 };
 
-/// "", "hardly seen", "in combination", "not seen", "at zero", "fixed"
+/// "", "poorly determined", "in combination", "not determined", "at zero", "fixed"
 [[nodiscard]] std::string to_string(WeightVerdict verdict);
 
 /// One weight of the search.

@@ -51,7 +51,7 @@ enum class ParameterVerdict {
   not_known,    ///< the search ended before this was computed
 };
 
-/// In words, e.g. "not seen".
+/// In words, e.g. "not determined".
 [[nodiscard]] std::string to_string(ParameterVerdict verdict);
 
 /// Estimate of one entry of θ.
