@@ -192,8 +192,10 @@ constexpr char kPlanned[] = "the folder into which `campaign init` wrote the pla
 void add_init_options(CommandLine& line, Options& options) {
   line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
   line.add_option("DIR", options.folder, "a new folder");
-  line.add_count("--shards N", options.shards, 1,
-                 "number of parts for the workers; default: so many that each takes a few minutes");
+  line.add_count(
+      "--shards N", options.shards, 1,
+      "number of parts for the workers; default: `shards` of the campaign file, or so many that "
+      "each takes a few minutes");
 }
 
 void add_work_options(CommandLine& line, Options& options) {

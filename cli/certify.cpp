@@ -80,7 +80,8 @@ void add_options(CommandLine& line, Options& options) {
       "delay plus its jitter and one period)");
   line.add_option(
       "--lag LOW:HIGH", options.lag,
-      "time constant of the motors [s] (default: that of the vehicle, with its [spread])");
+      "time constant of the motors [s] (default: that of the vehicle, the larger one of "
+      "two, with its [spread])");
   line.add_option("--controller NAME", options.controller,
                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent");
   line.add_option(

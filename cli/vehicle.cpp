@@ -236,7 +236,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--sensors NAME", words.sensors,
                   "of new: typical sensors to list: gps (default) or flow");
   line.add_flag("--brushed", words.brushed, "of new: brushed motors, as in toys");
-  line.add_flag("--ask", words.ask, "of new: ask for what is not given");
+  line.add_flag("--ask", words.ask, "of new: ask for mass, arm, propeller, hover speed and thrust");
   line.add_flag("--force", words.force, "of new: replace an existing file");
 }
 

@@ -60,9 +60,10 @@ bool SensorLogArguments::given() const {
 
 void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
   add_log_options(line, arguments.log);
-  line.add_option("--time COLUMN", arguments.time,
-                  "column of the times in a text, by name or number; default: the one named t, "
-                  "time or timestamp");
+  line.add_option(
+      "--time COLUMN", arguments.time,
+      "column of the times in a text, by name or number; default: the one that is named "
+      "like a clock, such as t, time, timestamp, stamp or TimeUS");
   line.add_option(
       "--time-unit U", arguments.time_unit,
       "s, ms, us or ns; default: that of the header, or else estimated from the values");

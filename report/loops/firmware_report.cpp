@@ -89,7 +89,7 @@ std::string to_text(const FirmwareImport& import) {
                                   {"Kd", "|Kd|", "", ".4g"},
                                   {"derivative", "D", "", ".3g"},
                                   {"per_unit", "per unit", "of output", ".4g"}})) +
-      section("turns",
+      section("rotation",
               "with the filters, rate and delay of the firmware, and the motor lag\n" +
                   table(turns_json(import), {{"name", "loop"},
                                              {"rate/crossover", "rate", "[rad/s]", ".3g"},

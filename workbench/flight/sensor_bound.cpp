@@ -146,7 +146,7 @@ ErrorModel horizontal_model(const Sensors& sensors, const SensorBoundOptions& op
       square(start.gyro_bias) + bias_variance(gyro, 1 - axis, options.calibration),
       square(start.force_bias) + bias_variance(force, axis, options.calibration);
   if (sees_flow(sensors, options)) {
-    // h (flow + c gyro) = v - h c b_g + noise of both
+    // -h (flow + c gyro) = v - h c b_g + noise of both
     const FlowSensor& flow = *sensors.flow;
     const double tangent = std::tan(axis == 0 ? flow.half_field_x : flow.half_field_y);
     const double c = 1 + tangent * tangent / 3, h = options.height;

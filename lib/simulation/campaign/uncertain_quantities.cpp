@@ -165,7 +165,8 @@ struct SensorWords {
   const char* name;
   const char* unit;
   int axes;
-  double max;  ///< maximum bias or noise, in the sensor's unit
+  double max;         ///< maximum bias or noise, in the sensor's unit
+  const char* title;  ///< the name in a sentence
 };
 
 void add_sensor(Table& table, const SensorWords& sensor) {
@@ -178,26 +179,28 @@ void add_sensor(Table& table, const SensorWords& sensor) {
       return true;
     };
   };
-  table.ratio(name + "_scale", fmt::format("scale of the {}", name),
+  table.ratio(name + "_scale", fmt::format("scale of the {}", sensor.title),
               with_faults([](SensorFaults& f, double x) { f.scale *= x; }));
   for (int axis = 0; axis < sensor.axes; ++axis)
     table.addition(sensor.axes == 1 ? name + "_bias" : fmt::format("{}_bias_{}", name, "xyz"[axis]),
                    sensor.unit, sensor.max,
-                   sensor.axes == 1 ? fmt::format("bias of the {}", name)
-                                    : fmt::format("bias of the {} along {}", name, "xyz"[axis]),
+                   sensor.axes == 1
+                       ? fmt::format("bias of the {}", sensor.title)
+                       : fmt::format("bias of the {} along {}", sensor.title, "xyz"[axis]),
                    with_faults([axis](SensorFaults& f, double x) { f.bias(axis) += x; }));
-  table.ratio(name + "_noise", fmt::format("noise of the {}", name),
+  table.ratio(name + "_noise", fmt::format("noise of the {}", sensor.title),
               with_faults([](SensorFaults& f, double x) { f.noise *= x; }));
   table.value(name + "_deviation", sensor.unit, 0, sensor.max,
-              fmt::format("standard deviation of a sample of the {}, every axis", name),
+              fmt::format("standard deviation of a sample of the {}{}", sensor.title,
+                          sensor.axes == 1 ? "" : ", every axis"),
               with_faults([axes = sensor.axes](SensorFaults& f, double x) {
                 f.noise.head(axes).setConstant(x);
               }));
   table.addition(
-      name + "_delay", "s", 1, fmt::format("delay of the {}", name),
+      name + "_delay", "s", 1, fmt::format("delay of the {}", sensor.title),
       with_faults([](SensorFaults& f, double x) { f.delay = std::max(0.0, f.delay + x); }));
   table.value(name + "_dropout", "1", 0, 1,
-              fmt::format("probability that a sample of the {} is lost", name),
+              fmt::format("probability that a sample of the {} is lost", sensor.title),
               with_faults([](SensorFaults& f, double x) { f.dropout = x; }));
 }
 
@@ -207,11 +210,14 @@ std::vector<QuantityEffect> make_table() {
   add_motors(table);
   add_air(table);
   table.of_sensors = true;
-  for (const SensorWords& sensor :
-       {SensorWords{"accelerometer", "m/s^2", 3, 100}, SensorWords{"gyroscope", "rad/s", 3, 100},
-        SensorWords{"magnetometer", "uT", 3, 1000}, SensorWords{"barometer", "Pa", 1, 1e4},
-        SensorWords{"sonar", "m", 1, 100}, SensorWords{"flow", "rad/s", 2, 100},
-        SensorWords{"gps", "m", 3, 1000}, SensorWords{"vision", "m", 3, 1000}})
+  for (const SensorWords& sensor : {SensorWords{"accelerometer", "m/s^2", 3, 100, "accelerometer"},
+                                    SensorWords{"gyroscope", "rad/s", 3, 100, "gyroscope"},
+                                    SensorWords{"magnetometer", "uT", 3, 1000, "magnetometer"},
+                                    SensorWords{"barometer", "Pa", 1, 1e4, "barometer"},
+                                    SensorWords{"sonar", "m", 1, 100, "sonar"},
+                                    SensorWords{"flow", "rad/s", 2, 100, "optical-flow sensor"},
+                                    SensorWords{"gps", "m", 3, 1000, "GPS receiver"},
+                                    SensorWords{"vision", "m", 3, 1000, "vision sensor"}})
     add_sensor(table, sensor);
   return std::move(table.all);
 }

@@ -372,8 +372,8 @@ every sample, because Euler adds at the next sample what the trapezoidal rule ha
 The P and D terms are equal. Hence the commands differ by Ki Ts e/2, plus the response of the
 vehicle to this difference. For the altitude, the linear equations of the loop predict this
 response: over a climb of 10 cm, in which no limit is reached, they predict the difference of the
-two flights within 2 %. With the vehicle's sensors, the flown loop (chapter "The flown loop" of
-the theory) predicts the difference of the torques within 2 %.
+two flights within 2 %. With the vehicle's sensors, [the flown
+loop](theory/robustness.md#the-flown-loop) predicts the difference of the torques within 2 %.
 
 | mean squared difference | thesis | hover, true states, published gains | predicted | hover, the vehicle's sensors, designed gains, after 10 s | predicted | Ki Ts e/2 alone |
 |---|---|---|---|---|---|---|
