@@ -320,7 +320,7 @@ class FittedParameter:
         """Upper end of the interval; may be NaN."""
     @property
     def verdict(self) -> str:
-        """"seen", "at zero", "not seen", ..."""
+        """"determined", "at zero", "not determined", ..."""
 
 class Flight:
     """A simulated flight and its verdict."""
@@ -1006,8 +1006,8 @@ class MatchedWeight:
         """Upper end of the interval; infinite if not determined."""
     @property
     def verdict(self) -> str:
-        """How well the gain determines it: empty, "hardly seen", "in combination", "not
-        seen", "at zero" or "fixed"."""
+        """How well the gain determines it: empty, "poorly determined", "in
+        combination", "not determined", "at zero" or "fixed"."""
 
 class MatrixLqg:
     """LQR and Kalman filter of matrices as one controller."""

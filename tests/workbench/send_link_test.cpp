@@ -184,7 +184,8 @@ TEST(SendNative, TakesNothingElseForAnAcknowledgement) {
   Bytes cut = acknowledgement(9);
   cut.pop_back();
   const Pieces others = {{}, {1}, state, cut, kNativeTakeoff, acknowledgement(8), Bytes(2000, 1)};
-  const StubVehicle busy({.type = SOCK_DGRAM, .answer = [&](const Frames&) { return others; }});
+  const StubVehicle busy(
+      {.type = SOCK_DGRAM, .answer = [&](const Frames&) { return Pieces(others); }});
   const LinkDelivery lost = send_link(native_takeoff(), to(busy, kNative), brief());
   EXPECT_EQ(lost.status, LinkStatus::unanswered);
   EXPECT_EQ(lost.acknowledged, 0U);

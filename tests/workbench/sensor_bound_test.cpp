@@ -21,6 +21,7 @@ using ::testing::HasSubstr;
 
 std::vector<double> middles(double rate, int count) {
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) times.push_back((k + 0.5) / rate);
   return times;
 }
