@@ -123,6 +123,29 @@ TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
   EXPECT_LT(worst_Ms(ardupilot, vehicle, gains), 2.041);
 }
 
+// Of a vehicle with such slow motors that the tilt loop cannot have the usual integral and the
+// margins, the integral is slower, so that ArduPilot can represent the loop.
+TEST(FirmwareGains, IntegralIsAsSlowAsTheStructureNeedsIt) {
+  if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
+  MeasuredVehicle measured;
+  measured.name = "tiny";
+  measured.mass = 0.035;
+  measured.arm = 0.0299;
+  measured.propeller = 0.0393;
+  measured.brushed = true;
+  measured.thrust_to_weight = 2.2;
+  measured.sensors = SensorSet::flow;
+  const Vehicle vehicle = new_vehicle(measured).vehicle;
+  const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {}, "test");
+  const CascadeGains gains = as_cascade(firmware_gains(vehicle, {ardupilot}, {}), 0.005);
+  for (const CascadeAxis axis : {CascadeAxis::roll, CascadeAxis::pitch}) {
+    const PidLoop& loop = gains.loops[index_of(axis)];
+    EXPECT_NE(loop.Ki, 0) << loop.name;
+    EXPECT_LE(4 * std::abs(loop.Ki * loop.Kd), loop.Kp * loop.Kp * (1 + 1e-9)) << loop.name;
+  }
+  EXPECT_NO_THROW((void)firmware_parameters(ardupilot, vehicle, gains));
+}
+
 TEST(FirmwareGains, WithoutAFirmwareAreTheFlownGains) {
   const Vehicle vehicle = load_vehicle("crazyflie");
   const FlownGains plain = flown_gains(vehicle), same = firmware_gains(vehicle, {}, {});

@@ -178,6 +178,31 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   return result;
 }
 
+/// 4 Ki |Kd|/Kp² of the tilt loop, which a PI controller of the rate can represent up to 1.
+double share_of_structure(const FlownAxisGains& axis) {
+  return 4 * axis.tilt_integral * std::abs(axis.F(3) / axis.F(2));
+}
+
+/// As search_from(), but if the structure does not permit the integral of the tilt loop together
+/// with the margins, the integral is made slower.
+FlownAxisGains search_with_integral(const RowVectorXd& start,
+                                    const std::vector<FlownFamilyMember>& family, AxisLaw law,
+                                    const AxisWeights& weights, const MarginBounds& asked,
+                                    int max_searches = 3) {
+  constexpr int kMaxSlower = 4;
+  constexpr double kReserve = 0.9;
+  FlownAxisGains result = search_from(start, family, law, weights, asked, max_searches);
+  if (law.structure == CascadeStructure::pid || law.tilt_integral == 0) return result;
+  for (int i = 0; i < kMaxSlower; ++i) {
+    if (result.search.status == FixedGainsStatus::unstable_start) break;
+    const double share = share_of_structure(result);
+    if (!(share > 1)) break;
+    law.tilt_integral *= kReserve / share;
+    result = search_from(result.F, family, law, weights, asked, max_searches);
+  }
+  return result;
+}
+
 /// The torque about a group's axis if one rotor produces 10 % less thrust than at hover.
 double load_of(const Vehicle& vehicle, FlownAxis axis) {
   constexpr double kWeaker = 0.1;
@@ -239,7 +264,7 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
   if (load_of(vehicle, axis) <= kMaxLoadTilt * std::abs(result.F(2))) return result;
   add_tilt_integral(law, result);
-  FlownAxisGains with = search_from(result.F, family, law, weights, bounds);
+  FlownAxisGains with = search_with_integral(result.F, family, law, weights, bounds);
   return with.search.status == FixedGainsStatus::unstable_start ? result : with;
 }
 
@@ -305,8 +330,8 @@ void redesign(FlownGains& gains, const std::vector<FlownAxis>& groups, const Veh
     AxisLaw law = law_of(groups[i], options);
     if (axis.tilt_integral > 0) add_tilt_integral(law, axis);
     law.tilt_integral = axis.tilt_integral;
-    FlownAxisGains again =
-        search_from(axis.F, gains.family, law, weights[k], bounds_of(options, groups[i]), 1);
+    FlownAxisGains again = search_with_integral(axis.F, gains.family, law, weights[k],
+                                                bounds_of(options, groups[i]), 1);
     if (again.search.status != FixedGainsStatus::unstable_start) axis = std::move(again);
   };
   internal::in_parallel(groups.size(), internal::thread_count(0), [&] { return one; }, {});
