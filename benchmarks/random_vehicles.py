@@ -8,7 +8,8 @@ Each vehicle is written by `quadtune vehicle new` from random numbers: 40 g to 9
 in X or plus, a disk loading of 30 to 150 N/m², a thrust-to-weight ratio of 1.6 to 4.5, a motor lag
 that is estimated or 0.1 to 0.25 s per metre of propeller, and optical flow or a satellite receiver.
 `quadtune design` computes its gains, for a firmware with --to, and `quadtune fly` flies ten missions
-with five seeds each. With --without-lead the gains are those of `quadtune pid` without a lead.
+with five seeds each. Firmware other than PX4 gets four rotors, of which the first turns clockwise,
+as its mixer requires. With --without-lead the gains are those of `quadtune pid` without a lead.
 """
 import argparse
 import json
@@ -23,11 +24,13 @@ MISSIONS = ["hover", "step-north", "step-east", "step-height", "step-yaw", "take
 SEEDS = 5
 
 
-def new_vehicle(seed):
+def new_vehicle(seed, fixed_mixer=False):
     """The name of a random vehicle, and the options of `vehicle new`."""
     draw = random.Random(seed)
     mass = math.exp(draw.uniform(math.log(0.04), math.log(9)))
     rotors = draw.choice([4, 4, 4, 6, 8])
+    if fixed_mixer:
+        rotors = 4
     loading = math.exp(draw.uniform(math.log(30), math.log(150)))
     propeller = 2 * math.sqrt(mass * 9.81 / loading / rotors / math.pi)
     # Neighbouring propellers are apart.
@@ -38,6 +41,8 @@ def new_vehicle(seed):
         f"{propeller:.4f}m", "--thrust-to-weight", f"{draw.uniform(1.6, 4.5):.2f}", "--rotors",
         str(rotors), "--layout", draw.choice(["x", "plus"]), "--spin", draw.choice(["cw", "ccw"]),
         "--sensors", draw.choice(["gps", "flow"])]
+    if fixed_mixer:
+        options[options.index("--spin") + 1] = "cw"
     if mass < 0.12 and draw.random() < 0.5:
         options.append("--brushed")
     if draw.random() < 0.5:
@@ -62,7 +67,7 @@ def main():
     passed = flown = complete = 0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(asked.seed, asked.seed + asked.count):
-            about, options = new_vehicle(seed)
+            about, options = new_vehicle(seed, asked.to not in ("json", "c", "px4"))
             vehicle = pathlib.Path(folder) / f"v{seed}.toml"
             made = run("vehicle", "new", *options, "-o", vehicle)
             if made.returncode == 0:

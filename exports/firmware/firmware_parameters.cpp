@@ -265,6 +265,12 @@ void write_ardupilot(Writer& w) {
   w.set("MOT_THST_EXPO", thrust_expo(w.vehicle(), kSpinMin, kSpinMax));
   const FirmwareScale scale = w.scale();
   w.set("MOT_THST_HOVER", scale.hover);
+  constexpr double kMinHover = 0.125, kMaxHover = 0.6875;  // AP_MOTORS_THST_HOVER_MIN and _MAX
+  if (scale.hover < kMinHover || scale.hover > kMaxHover)
+    w.note(
+        fmt::format("ArduPilot limits MOT_THST_HOVER to {} to {}, so the integral of the vertical "
+                    "acceleration supplies the rest of the thrust",
+                    kMinHover, kMaxHover));
   w.note(
       "MOT_SPIN_MIN, MOT_SPIN_MAX, MOT_THST_EXPO and MOT_THST_HOVER are written, because the gains "
       "assume them; if a motor does not start at 15 %, set its own values and design the gains "

@@ -266,8 +266,13 @@ std::string why_no_value(const ParameterFacts& facts, double value) {
   if (!std::isfinite(value)) return fmt::format("is {}, expected a finite number", value);
   if (std::abs(value) > std::numeric_limits<float>::max())
     return fmt::format("is {}, expected a number that fits a float", value);
-  // Ranges of gains are only advice; other parameters are invalid outside their ranges.
   const std::string& name = facts.name;
+  // A vehicle with strong or weak motors hovers outside the published range of this parameter.
+  if (name == "MOT_THST_HOVER")
+    return value > 0 && value < 1
+               ? ""
+               : fmt::format("is {}, expected more than 0 and less than 1", value);
+  // Ranges of gains are only advice; other parameters are invalid outside their ranges.
   const bool strict = facts.integer || name.starts_with("MOT_") || name.starts_with("THR_") ||
                       name.starts_with("CA_");
   if (strict && (value < facts.min.value_or(value) || value > facts.max.value_or(value)))

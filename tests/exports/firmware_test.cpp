@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -331,6 +332,29 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
       }
 }
 
+// 4 m g of thrust, and more, hover below the published minimum of 0.2.
+TEST(Firmware, HoverThrottleOfAStrongVehicleIsReadBack) {
+  const Firmware target = newest(FirmwareKind::ardupilot);
+  Vehicle vehicle = testing::arducopter_vehicle();
+  for (const bool limited : {false, true}) {
+    vehicle.motor.max *= 1.5;
+    const FirmwareParameters written =
+        firmware_parameters(target, vehicle, testing::usual_firmware_cascade());
+    const double hover = firmware_scale(target, vehicle, written.values).hover;
+    EXPECT_LT(hover, 0.2);
+    EXPECT_THAT(written.notes, Contains(HasSubstr("below the published range 0.2 to 0.8")));
+    EXPECT_EQ(hover < 0.125, limited);
+    EXPECT_EQ(std::any_of(written.notes.begin(), written.notes.end(),
+                          [](const std::string& note) {
+                            return note.starts_with("ArduPilot limits MOT_THST_HOVER");
+                          }),
+              limited);
+    const ParameterFile read =
+        parse_parameters(target, parameter_text(target, written.values, {}), "file");
+    EXPECT_EQ(read.values.size(), written.values.size());
+  }
+}
+
 TEST(Firmware, SharedGainsAreTheGeometricMeanAndStillFactor) {
   CascadeGains gains = testing::usual_firmware_cascade();
   PidLoop& x = gains.loops[index_of(CascadeAxis::x)];
@@ -368,6 +392,9 @@ TEST(Firmware, BadFilesAreRefusedWithTheirLine) {
   expect_refused(px4, "# nothing\n", "has no parameter of the control loops of px4");
   expect_refused(px4, std::string("1\0", 2), "file");
   expect_refused(ardupilot, "ATC_ANG_RLL_P\n", "file:1: has 1 words");
+  expect_refused(ardupilot, "MOT_THST_HOVER,1\n", "is 1, expected more than 0 and less than 1");
+  expect_refused(ardupilot, "MOT_THST_HOVER,0\n", "is 0, expected more than 0 and less than 1");
+  expect_refused(ardupilot, "MOT_SPIN_MIN,0.4\n", "MOT_SPIN_MIN is 0.4, expected 0 to 0.3");
   expect_refused(ardupilot, "PSC_NE_POS_P,1\n", "PSC_NE_POS_P belongs to ardupilot 4.7", "4.5");
   expect_refused(ardupilot, "PSC_POSXY_P,1\n", "PSC_POSXY_P belongs to ardupilot 4.6", "4.7");
   expect_refused(betaflight, "set p_roll = 45.5\n", "file:1: p_roll is 45.5, expected a whole");
