@@ -63,6 +63,33 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
   }
 }
 
+// The vehicle file next to the export has the hash of the manifest, so it need not be named.
+TEST_F(VerifyManifest, FindsTheVehicleFileByItsHash) {
+  std::ifstream file(testing::source_folder() + "/vehicles/uquad.toml");
+  std::ostringstream text;
+  text << file.rdbuf();
+  std::string vehicle = text.str();
+  const std::string name = "name = \"uquad\"";
+  ASSERT_NE(vehicle.find(name), std::string::npos);
+  vehicle.replace(vehicle.find(name), name.size(), "name = \"own\"");
+  const std::string path = folder_.write("own.toml", vehicle).string();
+  const std::string out = (folder_.path() / "out").string();
+  const ProgramResult made =
+      run_program({"pid", path, "--method", "loops", "-o", (folder_.path() / "own.json").string()});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const ProgramResult written = run_program({"export", (folder_.path() / "own.json").string(),
+                                             "--to", "json", "--vehicle", path, "-o", out});
+  ASSERT_EQ(written.status, 0) << written.err;
+  EXPECT_EQ(verified(
+                out, [](Json&) {}, 0),
+            verified(
+                out, [](Json&) {}, 0));
+  folder_.write("own.toml", vehicle + "\n");
+  EXPECT_THAT(verified(
+                  out, [](Json&) {}, 2),
+              HasSubstr("--vehicle is missing, expected the file of 'own'"));
+}
+
 // A calibration of the sensors is exported with the gains; only its hash protects it.
 // Only verify checks an export; what else reads it must not be silent about a changed file.
 TEST_F(VerifyManifest, FlyAndDiffNoteAChangedFileOnce) {

@@ -17,6 +17,7 @@
 #include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
+#include "verify/manifest_vehicle.hpp"
 
 namespace quadtune {
 namespace {
@@ -51,17 +52,6 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
     throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
                                          u.lag.high, kMaxLag));
   return u;
-}
-
-Vehicle vehicle_of(const CertifyOptions& options, const Manifest& manifest) {
-  if (!options.vehicle.empty()) return load_vehicle(options.vehicle);
-  try {
-    return load_vehicle(manifest.vehicle);
-  } catch (const std::exception&) {
-    throw OptionError("vehicle", fmt::format("vehicle is missing, expected the file of '{}', the "
-                                             "vehicle of the manifest, which is not built in",
-                                             internal::printable(manifest.vehicle)));
-  }
 }
 
 /// A requested law of the export before its analysis, and its hover.
@@ -183,7 +173,8 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
       report.failed = check;
       return report;
     }
-  const Vehicle vehicle = vehicle_of(options, read_manifest(directory));
+  const Vehicle vehicle =
+      internal::vehicle_of_manifest(directory, read_manifest(directory), options.vehicle);
   report.vehicle = vehicle.name;
   RobustnessOptions robustness;
   robustness.seed = options.seed;

@@ -24,23 +24,12 @@
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "quadtune/workbench/verify/verify_design.hpp"
 #include "quadtune/workbench/verify/verify_evidence.hpp"
+#include "verify/manifest_vehicle.hpp"
 
 namespace quadtune {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// @param name  value of --vehicle; empty: that of the manifest
-Vehicle believed_vehicle(const Manifest& manifest, const std::string& name) {
-  try {
-    return load_vehicle(name.empty() ? manifest.vehicle : name);
-  } catch (const std::exception& error) {
-    if (!name.empty()) throw;
-    throw OptionError("vehicle", fmt::format("vehicle is missing, expected the file of '{}', the "
-                                             "vehicle of the manifest, which is not built in",
-                                             internal::printable(manifest.vehicle)));
-  }
-}
 
 /// The current file of the vehicle. The file of a built-in vehicle belongs to the program: another
 /// version may have another file; the manifest then has another version.
@@ -93,9 +82,7 @@ std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Mani
     add_from(fs::path(design).parent_path(), manifest, inputs);
     return inputs;
   }
-  const fs::path parent = fs::absolute(directory).lexically_normal().parent_path();
-  for (const fs::path& folder :
-       {parent, parent.parent_path(), fs::current_path(), fs::current_path() / "designs"})
+  for (const fs::path& folder : internal::folders_of_inputs(directory))
     add_from(folder, manifest, inputs);
   return inputs;
 }
@@ -210,7 +197,7 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
                                   to_string(manifest.kind)));
   std::vector<FlightCodeTarget> targets = {FlightCodeTarget::host};
   if (arm) targets.push_back(FlightCodeTarget::arm);
-  const Vehicle vehicle = believed_vehicle(manifest, vehicle_name);
+  const Vehicle vehicle = internal::vehicle_of_manifest(directory, manifest, vehicle_name);
   VerifyReport report = verify_with(
       directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design), nullptr, targets);
   if (!manifest.forced.empty())

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verify/manifest_vehicle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The vehicle in a file, if the file has the bytes of the input and describes that vehicle.
+std::optional<Vehicle> vehicle_in(const fs::path& path, const ManifestFile& input,
+                                  const std::string& name) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) != input.size)
+    return std::nullopt;
+  try {
+    if (sha256(read_file(path.string(), input.size)) != input.sha256) return std::nullopt;
+    Vehicle vehicle = load_vehicle(path.string());
+    if (vehicle.name != name) return std::nullopt;
+    return vehicle;
+  } catch (const std::exception&) {
+    return std::nullopt;  // another input, such as the design, or an unreadable file
+  }
+}
+
+}  // namespace
+
+std::vector<fs::path> folders_of_inputs(const std::string& directory) {
+  const fs::path parent = fs::absolute(directory).lexically_normal().parent_path();
+  const fs::path here = fs::current_path();
+  return {parent, parent.parent_path(), here, here / "designs", here / "vehicles"};
+}
+
+Vehicle vehicle_of_manifest(const std::string& directory, const Manifest& manifest,
+                            const std::string& name) {
+  if (!name.empty()) return load_vehicle(name);
+  const std::vector<std::string> built_in = built_in_vehicles();
+  if (std::find(built_in.begin(), built_in.end(), manifest.vehicle) != built_in.end())
+    return load_vehicle(manifest.vehicle);
+  for (const fs::path& folder : folders_of_inputs(directory))
+    for (const ManifestFile& input : manifest.inputs)
+      if (std::optional<Vehicle> found = vehicle_in(folder / input.path, input, manifest.vehicle))
+        return std::move(*found);
+  throw OptionError(
+      "vehicle",
+      fmt::format("vehicle is missing, expected the file of '{}', the vehicle of the manifest, "
+                  "which is not built in and not next to the export with the manifest's bytes",
+                  printable(manifest.vehicle)));
+}
+
+}  // namespace quadtune::internal
