@@ -102,19 +102,24 @@ TEST(FirmwareGains, LeadOnRequestReplacesTheOneThatIsChosen) {
   EXPECT_EQ(roll_of({firmware(FirmwareKind::px4, {}, "test")}, 0).rate_lead, 0);
 }
 
+/// A small vehicle with brushed motors and optical flow.
+Vehicle brushed_toy(double mass, double arm, double propeller) {
+  MeasuredVehicle measured;
+  measured.name = "toy";
+  measured.mass = mass;
+  measured.arm = arm;
+  measured.propeller = propeller;
+  measured.brushed = true;
+  measured.thrust_to_weight = 2.2;
+  measured.sensors = SensorSet::flow;
+  return new_vehicle(measured).vehicle;
+}
+
 // With a lead of half the lag of brushed motors, no gain on the angle before a PID controller of the
 // rate, whose D acts on the error, has the loops of a small vehicle. A shorter lead has.
 TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
   if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
-  MeasuredVehicle measured;
-  measured.name = "toy";
-  measured.mass = 0.047;
-  measured.arm = 0.034;
-  measured.propeller = 0.0447;
-  measured.brushed = true;
-  measured.thrust_to_weight = 2.2;
-  measured.sensors = SensorSet::flow;
-  const Vehicle vehicle = new_vehicle(measured).vehicle;
+  const Vehicle vehicle = brushed_toy(0.047, 0.034, 0.0447);
   const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {}, "test");
   const CascadeGains gains = as_cascade(firmware_gains(vehicle, {ardupilot}, {}), 0.005);
   const double lead = gains.loops[index_of(CascadeAxis::roll)].rate_lead;
@@ -127,15 +132,7 @@ TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
 // margins, the integral is slower, so that ArduPilot can represent the loop.
 TEST(FirmwareGains, IntegralIsAsSlowAsTheStructureNeedsIt) {
   if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
-  MeasuredVehicle measured;
-  measured.name = "tiny";
-  measured.mass = 0.035;
-  measured.arm = 0.0299;
-  measured.propeller = 0.0393;
-  measured.brushed = true;
-  measured.thrust_to_weight = 2.2;
-  measured.sensors = SensorSet::flow;
-  const Vehicle vehicle = new_vehicle(measured).vehicle;
+  const Vehicle vehicle = brushed_toy(0.035, 0.0299, 0.0393);
   const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {}, "test");
   const CascadeGains gains = as_cascade(firmware_gains(vehicle, {ardupilot}, {}), 0.005);
   for (const CascadeAxis axis : {CascadeAxis::roll, CascadeAxis::pitch}) {
