@@ -332,7 +332,7 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
       }
 }
 
-// 4 m g of thrust, and more, hover below the published minimum of 0.2.
+// A vehicle whose thrust is several times its weight hovers below the published minimum of 0.2.
 TEST(Firmware, HoverThrottleOfAStrongVehicleIsReadBack) {
   const Firmware target = newest(FirmwareKind::ardupilot);
   Vehicle vehicle = testing::arducopter_vehicle();

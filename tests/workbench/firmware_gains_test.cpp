@@ -128,8 +128,8 @@ TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
   EXPECT_LT(worst_Ms(ardupilot, vehicle, gains), 2.041);
 }
 
-// Of a vehicle with such slow motors that the tilt loop cannot have the usual integral and the
-// margins, the integral is slower, so that ArduPilot can represent the loop.
+// The motors of this vehicle are so slow that its tilt loops cannot have both the usual integral and
+// the margins in a structure that ArduPilot represents. The design then reduces the integral.
 TEST(FirmwareGains, IntegralIsAsSlowAsTheStructureNeedsIt) {
   if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
   const Vehicle vehicle = brushed_toy(0.035, 0.0299, 0.0393);

@@ -54,7 +54,7 @@ Vehicle vehicle_of_manifest(const std::string& directory, const Manifest& manife
   throw OptionError(
       "vehicle",
       fmt::format("vehicle is missing, expected the file of '{}', the vehicle of the manifest, "
-                  "which is not built in and not next to the export with the manifest's bytes",
+                  "which is not built in; no file nearby has the hash in the manifest",
                   printable(manifest.vehicle)));
 }
 

@@ -204,9 +204,8 @@ std::string page(const std::vector<Comparison>& all) {
       "far from its limit.\nThe stop criterion measures the step and not this distance. The "
       "truncated exponential causes a\nrelative difference of less than 2e-7. quadtune iterates "
       "to convergence and does not reproduce\nthis stop criterion.\n\n"
-      "## First rows\n\nThe difference is published minus converged. Columns whose entry is zero "
-      "are "
-      "omitted.\n";
+      "## First rows\n\n"
+      "The difference is published minus converged. Columns whose entry is zero are omitted.\n";
   for (const Comparison& c : all) text += fmt::format("\n`{}`\n\n", c.gains.label) + row_table(c);
   return text;
 }
