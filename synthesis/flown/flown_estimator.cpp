@@ -92,9 +92,9 @@ void each_number(int, UquadFilterState<T>& state, const Function& f) {
 
 /// Which stored samples of the general filter affect later steps.
 struct GeneralParts {
-  int readings = 0;  ///< stored periods of gyroscope and accelerometer
-  int queue = 0;     ///< stored periods of samples that are waiting for the horizon
-  bool flow = false, range = false, pressure = false, field = false, gps = false, vision = false;
+  int readings;  ///< stored periods of gyroscope and accelerometer
+  int queue;     ///< stored periods of samples that are waiting for the horizon
+  bool flow, range, pressure, field, gps, vision;
 };
 
 template <class T, class Function>
@@ -307,14 +307,14 @@ class General {
     const int carried =
         std::min(kMaxHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
     const double fresher = std::min(settings_.gyroscope.lag, settings_.accelerometer.lag);
-    parts_.readings = horizon - static_cast<int>(std::floor(fresher / dt + 1e-9)) + 1 + carried;
-    parts_.queue = horizon;
-    parts_.flow = settings_.flow.has_value();
-    parts_.range = settings_.range.has_value();
-    parts_.pressure = settings_.pressure.has_value();
-    parts_.field = settings_.heading.has_value();
-    parts_.gps = settings_.gps_position.has_value();
-    parts_.vision = settings_.vision.has_value();
+    parts_ = {.readings = horizon - static_cast<int>(std::floor(fresher / dt + 1e-9)) + 1 + carried,
+              .queue = horizon,
+              .flow = settings_.flow.has_value(),
+              .range = settings_.range.has_value(),
+              .pressure = settings_.pressure.has_value(),
+              .field = settings_.heading.has_value(),
+              .gps = settings_.gps_position.has_value(),
+              .vision = settings_.vision.has_value()};
   }
 
   [[nodiscard]] State<double> start(const StateVector<double>& x) const {
@@ -335,7 +335,7 @@ class General {
 
  private:
   GeneralFilterSettings settings_;
-  GeneralParts parts_;
+  GeneralParts parts_{};
 };
 
 template <class Estimator>

@@ -45,7 +45,7 @@ Eigen::RowVectorXd reaction(const Vehicle& vehicle, const VectorXd& speeds, Inpu
 }
 
 struct Layout {
-  Index nx = 0, nu = 0, past = 0, ni = 0;
+  Index nx, nu, past, ni;
   [[nodiscard]] Index past_at() const { return nx; }
   [[nodiscard]] Index integrals_at() const { return nx + past * nu; }
   [[nodiscard]] Index size() const { return nx + past * nu + ni; }

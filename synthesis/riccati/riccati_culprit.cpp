@@ -127,9 +127,9 @@ Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
     mode.found = true;
   }
   if (!mode.found) return mode;
-  const auto snap = [&](double x, double to) { return std::abs(x - to) <= 10 * near ? to : x; };
-  const double real = snap(mode.value.real(), time == Time::continuous ? 0 : 1);
-  mode.value = {real, snap(mode.value.imag(), 0)};
+  const auto snapped = [&](double x) { return std::abs(x) <= 10 * near ? 0 : x; };
+  const double real = mode.value.real();
+  mode.value = {time == Time::continuous ? snapped(real) : real, snapped(mode.value.imag())};
   name_states(part, member, width, names, mode);
   return mode;
 }

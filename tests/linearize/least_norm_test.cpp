@@ -27,6 +27,20 @@ TEST(LeastNorm, GivesTheRestToThoseBelowTheirBound) {
               MatrixNear(Eigen::Vector4d(0.2, 0.6, 0.6, 0.6), 1e-14));
 }
 
+// The projections alone converge to the bound (0, 1, 1) only slowly; the entries that are free, the
+// first among them, are solved for: of f0 + f1/2 + f2/3 = 1 with f2 ≤ 0.1, the shortest is
+// (1, 1/2) (1 - 0.1/3) / (1 + 1/4).
+TEST(LeastNorm, SolvesAllFreeEntriesToRounding) {
+  Eigen::MatrixXd C(1, 3);
+  C << 1, 1.0 / 2, 1.0 / 3;
+  const Eigen::VectorXd d = Eigen::VectorXd::Ones(1);
+  const Eigen::VectorXd low = Eigen::VectorXd::Zero(3);
+  const Eigen::Vector3d high(1, 1, 0.1);
+  const double share = (1 - 0.1 / 3) / 1.25;
+  EXPECT_THAT(bounded_least_norm(C, d, low, high),
+              MatrixNear(Eigen::Vector3d(share, share / 2, 0.1), 1e-15));
+}
+
 // Optimality of the least norm among feasible points: f·(y - f) ≥ 0 for feasible y.
 TEST(LeastNorm, NoOtherSharingWithinTheBoundsIsShorter) {
   std::mt19937_64 random(31);

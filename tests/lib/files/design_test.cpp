@@ -114,7 +114,7 @@ const std::string kCascadeHead = "name = \"c\"\nvehicle = \"mambo\"\n[cascade]\n
 
 TEST(Design, ReadsACascadeAsWritten) {
   const Design design = parse(kCascadeHead +
-                              "x = { Kp = -0.24, Kd = 0.1 }\ny = { Kp = 0.24, Kd = -0.1 }\n"
+                              "x = { Kp = -0.24 }\ny = { Kp = 0.24, Kd = -0.1 }\n"
                               "pitch = { Kp = 0.013, Ki = 0.01, Kd = -0.002 }\n"
                               "roll = { Kp = 0.01, Ki = 0.01, Kd = -0.003 }\n"
                               "yaw = { Kp = 0.004, Kd = -0.0012 }\n"
@@ -127,6 +127,13 @@ TEST(Design, ReadsACascadeAsWritten) {
   EXPECT_EQ(pitch.Kp, 0.013);
   EXPECT_EQ(pitch.Ki, 0.01);
   EXPECT_EQ(pitch.Kd, -0.002);
+  // Gains that are not given are 0.
+  const PidLoop& x = design.cascade->gains.loops[0];
+  EXPECT_EQ(x.Kp, -0.24);
+  EXPECT_EQ(x.Ki, 0);
+  EXPECT_EQ(x.Kd, 0);
+  EXPECT_EQ(x.rate_lead, 0);
+  EXPECT_EQ(x.rate_filter, 0);
 }
 
 // What is not said is as `quadtune pid V` has it: there is nothing to specify.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "quadtune/model/mixer.hpp"
 
@@ -113,6 +115,19 @@ TEST(Plausibility, FindsSpeedsInRpm) {
     EXPECT_THAT(find_implausible_values(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
     EXPECT_GT(find_implausible_values(limits)[0].value, 100) << name;
   }
+}
+
+// With T = Ct rho n2 D4, Ct is π³/4 times that of T = Ct rho pi r4 w2: the thrust curve is so many
+// times too large, and the speed at hover is too low by the square root.
+TEST(Plausibility, DetectsTheOtherThrustCoefficient) {
+  Vehicle vehicle = load_vehicle("mambo");
+  ASSERT_FALSE(std::isnan(vehicle.rotors.front().radius));
+  scale(vehicle, &Rotor::thrust_a2, std::pow(std::numbers::pi, 3) / 4);
+  std::vector<std::string> causes;
+  for (const Implausibility& figure : find_implausible_values(vehicle))
+    if (figure.quantity.starts_with("rotor speed at hover")) causes.push_back(figure.cause);
+  EXPECT_THAT(causes, ::testing::ElementsAre("Ct may be that of T = Ct rho n2 D4, expected that of "
+                                             "T = Ct rho pi r4 w2"));
 }
 
 // Thrust is often measured for the whole vehicle.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
@@ -141,6 +143,21 @@ TEST(SensorFile, HasTheSensorsThatItNamesAndNoOthers) {
   EXPECT_EQ(unsaid.sensors.accelerometer->rate, typical_sensors().accelerometer->rate);
   EXPECT_TRUE(
       std::isnan(with_sensors("[sensors.barometer]\nrate_Hz = 1\n").sensors.barometer->fall));
+}
+
+// A sensor without noise would make a filter that trusts nothing else.
+TEST(SensorFile, TypicalSensorsHaveNoiseAndTheirRates) {
+  const Sensors typical = typical_sensors();
+  const std::vector<std::pair<SensorFaults, double>> faults_and_rates = {
+      {typical.accelerometer.value(), 200}, {typical.gyroscope.value(), 200},
+      {typical.magnetometer.value(), 100},  {typical.barometer.value().faults, 50},
+      {typical.sonar.value().faults, 20},   {typical.flow.value().faults, 60},
+      {typical.gps.value().position, 1}};
+  for (const auto& [faults, rate] : faults_and_rates) {
+    EXPECT_EQ(faults.rate, rate);
+    EXPECT_GT(faults.noise.minCoeff(), 0) << rate;
+  }
+  EXPECT_GT(typical.gps->velocity_noise.minCoeff(), 0);
 }
 
 TEST(SensorFile, IdealSensorsKeepTheirRatesAlone) {

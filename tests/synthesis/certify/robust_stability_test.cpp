@@ -100,6 +100,20 @@ TEST(ProveStability, ReachesTheMaximumGainOfAnIntegrator) {
   EXPECT_NE(status(integrator(), gains(0, 1)), StabilityProofStatus::proved);
 }
 
+// A double integrator with both poles at a for θ = 1. The eigenvectors of such a loop are parallel;
+// the basis of a cluster of eigenvalues proves the box around it at once.
+TEST(ProveStability, ProvesADoublePoleInOneBox) {
+  for (const double a : {0.5, 0.8, 0.95}) {
+    const double position = (1 - a) * (1 - a);
+    const Eigen::RowVector2d K(position, 2 * (1 - a) - position / 2);
+    const UncertainLoop loop = static_loop((MatrixXd(2, 2) << 0, 1, 0, 0).finished(),
+                                           (MatrixXd(2, 1) << 0, 1).finished(), K, 1);
+    const StabilityProof proof = prove_stability(loop, gains(1 - 0.001, 1 + 0.001));
+    EXPECT_EQ(proof.status, StabilityProofStatus::proved) << a << proof.culprit;
+    EXPECT_EQ(proof.boxes, 1) << a;
+  }
+}
+
 // z^(m+1) - z^m + θ = 0 with a delay of m periods is stable for 0 < θ < 2 sin(π/(2(2m+1))), and a
 // shorter delay permits a larger gain.
 TEST(ProveStability, ReachesTheMaximumGainWithDelay) {

@@ -248,6 +248,53 @@ TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   EXPECT_EQ(period(bare, 1.1) % 200, 0U);
 }
 
+/// The response of the estimates to a unit of each command in the first period, by period.
+MatrixXd pulse_response(const PeriodicLti& plant, Index periods) {
+  MatrixXd z = plant.B[0];
+  MatrixXd all(plant.C.rows(), plant.B[0].cols() * periods);
+  for (Index k = 0; k < periods; ++k) {
+    all.middleCols(k * z.cols(), z.cols()) = plant.C * z;
+    z = (plant.A[static_cast<std::size_t>(k + 1) % plant.period()] * z).eval();
+  }
+  return all;
+}
+
+// The filter divides readings by the scale factors of their sensors, so these do not matter.
+TEST(FlownPlant, DoesNotDependOnTheScaleFactorsOfTheSensors) {
+  for (const char* name : {"mambo", "uquad"}) {
+    Vehicle vehicle = load_vehicle(name);
+    FlownPlantOptions options;
+    const auto plant = [&] {
+      return flown_plant(flight(vehicle, EstimatorKind::general, options.dt), options).plant;
+    };
+    // The noise is above the minimum that the filter assumes.
+    const auto set = [](SensorFaults& sensor, double noise, double scale) {
+      sensor.bias.setZero();
+      sensor.noise.setConstant(noise * scale);
+      sensor.limit = std::numeric_limits<double>::infinity();
+      sensor.quantum = 0;
+      sensor.scale.setConstant(scale);
+    };
+    const auto scaled = [&](double factor) {
+      Sensors& sensors = vehicle.sensors;
+      set(sensors.accelerometer.value(), 0.1, 1 + 0.2 * factor);
+      set(sensors.gyroscope.value(), 0.01, 1 - 0.3 * factor);
+      if (sensors.magnetometer) set(*sensors.magnetometer, 1, 1 + 0.4 * factor);
+      if (sensors.barometer) set(sensors.barometer->faults, 3, 1 - 0.1 * factor);
+      if (sensors.sonar) set(sensors.sonar->faults, 0.02, 1 + 0.5 * factor);
+      if (sensors.flow) set(sensors.flow->faults, 0.1, 1 - 0.4 * factor);
+      if (sensors.flow) sensors.flow->noise_per_height = 0;
+    };
+    scaled(0);
+    const MatrixXd expected = pulse_response(plant(), 400);
+    scaled(1);
+    const MatrixXd response = pulse_response(plant(), 400);
+    for (Index i = 0; i < 12; ++i)
+      EXPECT_LT((response - expected).row(i).norm(), 1e-6 * expected.row(i).norm())
+          << name << ned_convention().states[static_cast<std::size_t>(i)].name;
+  }
+}
+
 // Clocks of 30 and 60 Hz, whose sample times contain rounding errors.
 TEST(FlownPlant, IsBitwiseIndependentOfTheNumberOfThreads) {
   const Vehicle vehicle = load_vehicle("crazyflie");
@@ -288,6 +335,12 @@ TEST(FlownPlant, MatchesAFlightWithTheMambosEstimator) {
 
 TEST(FlownPlant, MatchesAFlightWithTheUquadsFilter) {
   expect_that_it_flies_as_predicted(flight(quiet("uquad"), EstimatorKind::uquad, 0.01), 0.01);
+}
+
+TEST(FlownPlant, MatchesAFlightWithTheGeneralFilter) {
+  expect_that_it_flies_as_predicted(flight(quiet("mambo"), EstimatorKind::general, 0.005), 0.005);
+  expect_that_it_flies_as_predicted(flight(quiet("crazyflie"), EstimatorKind::general, 0.005),
+                                    0.005);
 }
 
 /// Fits the slowest decaying or growing oscillation in a record, after all other modes have

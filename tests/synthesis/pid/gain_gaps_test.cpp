@@ -45,6 +45,18 @@ TEST(GainGaps, ForbidWhereTheInequalityFails) {
   EXPECT_GT(outside, 500);
 }
 
+// |1 - g|² ≥ |g|² + min² up to g = (1 - min²)/2, and |1 + g|² ≥ |g|² + min² from -(1 - min²)/2 on.
+TEST(GainGaps, OfResponsesThatGrowEqually) {
+  const auto up = forbidden_by({1, -1}, {0, 1}, 0.5);
+  ASSERT_EQ(up.size(), 1U);
+  EXPECT_DOUBLE_EQ(up[0].low, 0.375);
+  EXPECT_EQ(up[0].high, kInfinity);
+  const auto down = forbidden_by({1, 1}, {0, 1}, 2);
+  ASSERT_EQ(down.size(), 1U);
+  EXPECT_EQ(down[0].low, 0);
+  EXPECT_DOUBLE_EQ(down[0].high, 1.5);
+}
+
 // If the two responses grow almost equally, one root is far away; the near one, (min² - α²)/(2 α),
 // keeps its digits for either sign of the linear term.
 TEST(GainGaps, KeepTheDigitsOfTheNearRoot) {
