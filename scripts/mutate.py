@@ -3,12 +3,13 @@
 """Changes the numerical core and sees whether a test notices: mutate.py [HOW MANY] [SEED] [FOLDER]
 
 Each mutant is one small change of one line: an operator, a comparison, a constant, a sign, a returned
-value. It is made in a copy of the sources under build/mutate, built there, and the test programs of
-its folder run. There is one copy per processor, and as many mutants are judged at once. A failing
-test or one without an end kills a mutant; one that does not compile is counted apart, and another
-takes its place. What survives stands in build/mutate/report.md. A survivor that behaves as the
-original does is explained in scripts/mutants.txt: file, line, changed line and reason, separated by
-tabs.
+value. It is made in a copy of the sources under build/mutate. Of the test sources of its folder,
+each that uses the changed file is built and run alone: first the one named like the file, then
+those that take less time. There is one copy per processor, and as many mutants are judged at once. A
+failing test or one without an end kills a mutant; one that does not compile is counted apart, and
+another takes its place. What survives stands in build/mutate/report.md. A survivor that behaves as
+the original does is explained in scripts/mutants.txt: file, line, changed line and reason,
+separated by tabs.
 
 FOLDER limits the choice, e.g. discretize/ or synthesis/riccati/. `mutate.py again` judges the
 survivors of the last report anew, after tests were added. Exit status 1 if a mutant survives without
@@ -30,6 +31,8 @@ import time
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
 
+from linked_tests import LinkedTests
+
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "build" / "mutate"
 REPORT = WORK / "report.md"
@@ -45,7 +48,8 @@ TESTS = {
     "synthesis/kalman/": ["tests/synthesis/kalman/"],
     "synthesis/lqr/": ["tests/synthesis/lqr/"],
     "synthesis/lyapunov/": ["tests/synthesis/lyapunov/"],
-    "synthesis/margins/": ["tests/synthesis/margins/"],
+    # The parts of an uncertain loop are tested with the proof of its stability.
+    "synthesis/margins/": ["tests/synthesis/margins/", "tests/synthesis/certify/"],
     "synthesis/pid/": ["tests/synthesis/pid/", "tests/synthesis/cascade/"],
     "synthesis/riccati/": ["tests/synthesis/riccati/", "tests/synthesis/lqr/"],
     "lib/model/": [
@@ -55,13 +59,17 @@ TESTS = {
         "tests/lib/simulation/rotor_",
         "tests/lib/estimation/uquad_filter_test.cpp",  # the Jacobian of the equations of motion
     ],
-    "lib/control/": ["tests/lib/control/", "tests/lib/simulation/"],
+    "lib/control/": [
+        "tests/lib/control/",
+        "tests/lib/simulation/",
+        "tests/lib/files/design_test.cpp",  # the reader of cascades
+    ],
 }
 # Public headers with the physics and the laws; those of the other folders declare only.
 TESTS["lib/include/quadtune/model/"] = TESTS["lib/model/"]
 TESTS["lib/include/quadtune/control/"] = TESTS["lib/control/"]
 
-SHORTEST_LIMIT_S = 30  # for a program that takes less than a few seconds
+SHORTEST_LIMIT_S = 30  # for tests that take less than a few seconds
 LIMIT_FACTOR = 5  # a mutant may take so many times as long as the original
 LIMIT_MEMORY = 8 << 30  # bytes of address space
 
@@ -103,7 +111,6 @@ NUMBERS = re.compile(
 )
 LEFT_ALONE = re.compile(r"\b\w*assert\w*\s*\(|\btemplate\s*<|^\s*using\b|///<")
 PROGRAM = re.compile(r"^ *quadtune_test\((\w+)((?:[^()]|\$\{\w+\})*)\)", re.MULTILINE)
-SUITE = re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\(\s*(\w+)", re.MULTILINE)
 
 
 class Mutant:
@@ -201,19 +208,7 @@ class Copy:
             ["cmake", "--preset", "mutate", "-B", str(self.build_folder)],
             cwd=self.tree, stdout=subprocess.DEVNULL, check=True,
         )  # fmt: skip
-
-    def build(self, programs):
-        """What the compiler says where it fails; nothing where all programs are built.
-        @raise RuntimeError  if the build ends without a word of the compiler: somebody ended it"""
-        run = subprocess.run(
-            ["cmake", "--build", str(self.build_folder), "-j", str(os.cpu_count()), "--target",
-             *programs],
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        said = run.stdout + run.stderr
-        if run.returncode and "error:" not in said:
-            raise RuntimeError(f"the build ended with {run.returncode}: {said.strip()[-500:]}")
-        return said if run.returncode else ""
+        self.linked = LinkedTests(self.build_folder, self.tree, os.cpu_count())
 
 
 def test_programs():
@@ -228,30 +223,23 @@ def test_programs():
     return programs
 
 
-def programs_of(room):
-    """[(program, filter)] of the tests of a folder; the program with most of them first."""
-    found = []
-    for program, sources in test_programs().items():
-        chosen = [name for name in sources if name.startswith(tuple(TESTS[room]))]
-        suites = set()
-        for name in chosen:
-            suites.update(SUITE.findall((ROOT / name).read_text(encoding="utf-8")))
-        if suites:
-            words = ":".join(f"{suite}.*:*/{suite}.*:{suite}/*" for suite in sorted(suites))
-            found.append((-len(chosen), len(sources), program, words))
+def sources_of(room):
+    """[(program, test source)] of a folder."""
+    found = [(program, name) for program, sources in test_programs().items() for name in sources
+             if name.startswith(tuple(TESTS[room]))]  # fmt: skip
     if not found:
         sys.exit(f"mutate: no test program has tests in {' '.join(TESTS[room])}")
-    return [(program, words) for _, _, program, words in sorted(found)]
+    return sorted(found)
 
 
-def test(copy, program, words, limit_s):
-    """How a test program ends: "passed", "failed" or "no end", with the first failing test."""
+def run_test(copy, test, limit_s):
+    """How a test source ends: "passed", "failed" or "no end", with the first failing test."""
+    program = copy.linked.program_of(test)
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "output"
         with output.open("wb") as stream:
             run = subprocess.Popen(
-                [str(copy.build_folder / "bin" / program), "--gtest_brief=1", "--gtest_fail_fast",
-                 f"--gtest_filter={words}"],
+                [str(program), "--gtest_brief=1", "--gtest_fail_fast"],
                 cwd=folder, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, start_new_session=True,
                 preexec_fn=lambda: resource.setrlimit(
@@ -271,52 +259,83 @@ def test(copy, program, words, limit_s):
             return "passed", ""
         said = output.read_text(encoding="utf-8", errors="replace")
         failed = re.search(r"\[  FAILED  \] (\S+)", said)
-        return "failed", failed[1] if failed else f"{program} ended with {status}"
+        return "failed", failed[1] if failed else f"{program.name} ended with {status}"
 
 
-def limits_of(rooms, copies):
-    """How long the programs of each folder may take, after the unchanged sources have passed."""
-    limits = {}
-    programs = sorted({program for room in rooms for program, _ in programs_of(room)})
-    for copy in copies:  # all but the first from ccache
-        print(f"mutate: building {' '.join(programs)} in {copy.build_folder}", flush=True)
-        said = copy.build(programs)
+class Tests:
+    """The tests of the folders to change, after they have passed with the unchanged sources."""
+
+    def __init__(self, rooms, copies):
+        self.of_room = {}  # folder -> [test]
+        self.took_s = {}  # test -> duration
+        self.first = copies[0].linked  # knows what uses what; this is equal in all copies
+        programs = {program for room in rooms for program, _ in sources_of(room)}
+        for copy in copies:  # all but the first from ccache
+            print(f"mutate: building {copy.build_folder}", flush=True)
+            for program in sorted(programs):
+                copy.linked.add_program(program)
+            for room in rooms:
+                self.of_room[room] = [(program, copy.linked.object_of(program, name))
+                                      for program, name in sources_of(room)]  # fmt: skip
+            tests = sorted({test for room in rooms for test in self.of_room[room]})
+            copy.linked.needed = self.first.needed
+            self.require(copy.linked.build({test[1] for test in tests}))
+            for test in tests:
+                self.require(copy.linked.build_test(test))
+        for test in tests:
+            start = time.monotonic()
+            outcome, why = run_test(copies[0], test, 3600)
+            if outcome != "passed":
+                print(f"mutate: {test[1]} does not pass with the unchanged sources: {why}")
+                sys.exit(2)
+            self.took_s[test] = time.monotonic() - start
+
+    @staticmethod
+    def require(said):
         if said:
             print(said)
             print("mutate: the unchanged sources do not build")
             sys.exit(2)
-    for room in rooms:
-        for program, words in programs_of(room):
-            start = time.monotonic()
-            outcome, why = test(copies[0], program, words, 3600)
-            if outcome != "passed":
-                print(f"mutate: {program} does not pass with the unchanged sources: {why}")
-                sys.exit(2)
-            took = time.monotonic() - start
-            limits[room, program] = max(SHORTEST_LIMIT_S, LIMIT_FACTOR * took)
-    return limits
+
+    def limit_s(self, test):
+        return max(SHORTEST_LIMIT_S, LIMIT_FACTOR * self.took_s[test])
+
+    def that_use(self, name):
+        """The tests of its folder that a change of a file can affect, in the order to try them."""
+        changed = self.first.dependants(name)
+        stem = Path(name).stem
+
+        def key(test):
+            tested = Path(test[1]).name.removesuffix("_test.cpp.o")
+            alike = stem.startswith(tested) or tested.startswith(stem)
+            compiled = self.first.needed[test] & changed
+            return (0 if stem == tested else 1 if alike else 2,
+                    self.took_s[test] + self.first.cost_s(compiled))  # fmt: skip
+
+        return sorted((test for test in self.of_room[room_of(name)]
+                       if self.first.needed[test] & changed), key=key)  # fmt: skip
 
 
-def judge(mutant, limits, copy):
+def judge(mutant, tests, copy):
     """"invalid", "survived", or by what it was killed. The tree is as before afterwards."""
     path = copy.tree / mutant.name
     text = path.read_text(encoding="utf-8")
-    room = room_of(mutant.name)
     try:
         path.write_text(text[: mutant.start] + mutant.after + text[mutant.end :], encoding="utf-8")
-        for program, words in programs_of(room):
-            if copy.build([program]):
+        for test in tests.that_use(mutant.name):
+            if copy.linked.build_test(test):
                 return "invalid"
-            outcome, why = test(copy, program, words, limits[room, program])
+            outcome, why = run_test(copy, test, tests.limit_s(test))
             if outcome != "passed":
-                return why or f"{program} did not end"
+                return why or f"{Path(test[1]).stem} did not end"
         return "survived"
     finally:
         path.write_text(text, encoding="utf-8")
 
 
-def judge_all(candidates, how_many, limits, copies):
-    """Yields (mutant, fate) of the first candidates of which `how_many` compile, as they end."""
+def judge_all(candidates, how_many, tests, copies):
+    """Yields (mutant, fate, duration in s) of the first candidates of which `how_many` compile, as
+    they end."""
     free = queue.SimpleQueue()
     for copy in copies:
         free.put(copy)
@@ -324,7 +343,9 @@ def judge_all(candidates, how_many, limits, copies):
     def judge_one(mutant):
         copy = free.get()
         try:
-            return mutant, judge(mutant, limits, copy)
+            start = time.monotonic()
+            fate = judge(mutant, tests, copy)
+            return mutant, fate, time.monotonic() - start
         finally:
             free.put(copy)
 
@@ -335,10 +356,10 @@ def judge_all(candidates, how_many, limits, copies):
             while running:
                 ended, running = wait(running, return_when=FIRST_COMPLETED)
                 for one in ended:
-                    mutant, fate = one.result()
+                    mutant, fate, took_s = one.result()
                     if fate == "invalid":
                         running |= {pool.submit(judge_one, m) for m in itertools.islice(rest, 1)}
-                    yield mutant, fate
+                    yield mutant, fate, took_s
         finally:
             pool.shutdown(cancel_futures=True)
 
@@ -414,25 +435,25 @@ def main(how_many=100, seed=1, folder=""):
         copy.tree.mkdir(parents=True, exist_ok=True)
         copy.update(names)
     start = time.monotonic()
-    limits = limits_of(rooms, copies)
+    tests = Tests(rooms, copies)
     built = time.monotonic()
 
     reasons = explanations()
     killed, survivors, explained, invalid = [], [], [], 0
-    for mutant, fate in judge_all(candidates[: 3 * how_many], how_many, limits, copies):
+    for mutant, fate, took_s in judge_all(candidates[: 3 * how_many], how_many, tests, copies):
         reason = reasons.get((mutant.name, mutant.was, mutant.now))
         if fate == "invalid":
             invalid += 1
             continue
         if fate != "survived":
             killed.append((mutant, fate))
-            print(f"killed by {fate}: {mutant}", flush=True)
+            print(f"{took_s:4.0f} s, killed by {fate}: {mutant}", flush=True)
         elif reason:
             explained.append((mutant, reason))
-            print(f"survived, which is explained: {mutant}", flush=True)
+            print(f"{took_s:4.0f} s, survived, which is explained: {mutant}", flush=True)
         else:
             survivors.append(mutant)
-            print(f"SURVIVED: {mutant}", flush=True)
+            print(f"{took_s:4.0f} s, SURVIVED: {mutant}", flush=True)
         write_report(seed, killed, survivors, explained, invalid)
     write_report(seed, killed, survivors, explained, invalid)
     print(REPORT.read_text(encoding="utf-8").split("\n")[2])
