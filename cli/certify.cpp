@@ -87,8 +87,9 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option(
       "--integrator METHOD", options.integrator,
       "integration method of a cascade: euler, backward-euler or tustin (default: the export's)");
-  line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle file, if the vehicle of the manifest is not built in");
+  line.add_option(
+      "--vehicle V", options.vehicle,
+      "the vehicle file, if the vehicle of the manifest is neither built in nor found nearby");
   line.add_option("--plant NAME", options.plant,
                   "flown (default) also analyses vehicles of the box with their sensors and "
                   "estimator; ideal does not");

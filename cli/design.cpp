@@ -10,6 +10,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -72,7 +73,16 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   return written;
 }
 
+/// Before the flights, which take time.
+void require_directory(const std::string& directory) {
+  std::error_code ignored;
+  if (std::filesystem::exists(directory, ignored) &&
+      !std::filesystem::is_directory(directory, ignored))
+    throw FileError(directory, "is a file, expected a directory to write into");
+}
+
 void run_design(const CommandLine& line, Options& options, Context& context) {
+  require_directory(options.directory);
   options.has_seeds = line.was_given("--seeds");
   require_sane(options);
   const DesignOutcome outcome = designed_and_flown(options, context);

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "arguments/flight_arguments.hpp"
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -37,12 +38,11 @@ struct Options {
 };
 
 void require_complete(const Options& options) {
-  if (options.source.empty() || options.to.empty() || options.directory.empty())
-    refuse("export",
-           options.source.empty() ? "SOURCE"
-           : options.to.empty()   ? "--to"
-                                  : "-o",
-           "expected a source, --to NAME and -o DIR");
+  if (options.source.empty())
+    refuse("export", "SOURCE", "SOURCE is missing, expected an export, gains or a design");
+  if (options.to.empty()) refuse("export", "--to", "--to is missing, expected the format to write");
+  if (options.directory.empty())
+    refuse("export", "-o", "-o is missing, expected the directory to write");
   // An export that replaces its own source would lose what it does not contain.
   std::error_code ignored;
   if (std::filesystem::equivalent(options.source, options.directory, ignored))
@@ -98,10 +98,7 @@ ExportContent content_of(const Options& options, const Context& context) {
                   options.source);
   GivenLaws given = read_given_laws(options.source);
   require_sampled(given.laws, options.source);
-  const std::string vehicle = options.vehicle.empty() ? given.laws.vehicle : options.vehicle;
-  if (vehicle.empty())
-    refuse("export", "--vehicle", "the gains do not name their vehicle, expected --vehicle V");
-  ExportContent content = export_content(std::move(given.laws), vehicle, options.source);
+  ExportContent content = export_content(std::move(given.laws), options.vehicle, options.source);
   content.forced = forced;
   return content;
 }
@@ -150,7 +147,7 @@ void run_export(const Options& options, Context& context) {
     refuse("export", "--constants", "--constants applies to --to uquad only, not to --to {}",
            options.to);
   if (options.of_schedule()) require_schedule_options(options);
-  ExportContent content = content_of(options, context);
+  ExportContent content = option_of_command("export", [&] { return content_of(options, context); });
   content.flight_code = flight_code;
   content.firmware = options.firmware;
   content.uquad_constants = options.constants;
@@ -197,7 +194,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--to NAME", options.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
-  line.add_option("--vehicle V", options.vehicle, "the vehicle, if the gains do not name it");
+  line.add_option("--vehicle V", options.vehicle,
+                  "the vehicle, if the one that the gains name is not built in");
   line.add_option("--name NAME", options.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");
@@ -214,10 +212,12 @@ void add_options(CommandLine& line, Options& options) {
                 "for uquad: write a C header of the vehicle's constants as well");
   line.add_flag(
       "--force", options.force,
-      "export even if the loop is unstable, the logs did not confirm the covariances, the margins "
-      "on a firmware are too small or SOURCE was forced; the manifest records the reason");
+      "export even if the loop of a design is unstable, the logs did not confirm the covariances, "
+      "the margins on a firmware are too small or SOURCE was forced; the manifest records the "
+      "reason");
   line.add_option("--firmware VERSION", options.firmware.version,
-                  "version of the firmware, e.g. 1.15 of px4; default: the newest known release");
+                  "version of the firmware, e.g. 1.15 of px4; default: px4 1.16, ardupilot 4.6, "
+                  "betaflight 2026.6, crazyflie 2026.08");
   line.add_flag(
       "--filter-noise", options.firmware.filter_noise,
       "for a firmware: write the noise of its estimator as well, from the design's filter");

@@ -31,13 +31,12 @@ void require_complete(const Options& options) {
     refuse("import", "--defaults",
            "both --defaults and the file {} were given, expected only one of the two",
            options.file);
-  if (options.firmware.empty() || options.vehicle.empty() ||
-      options.file.empty() != options.defaults)
-    refuse("import",
-           options.firmware.empty()  ? "FIRMWARE"
-           : options.vehicle.empty() ? "--vehicle"
-                                     : "FILE",
-           "expected a firmware, a file of its parameters or --defaults, and --vehicle V");
+  if (options.firmware.empty())
+    refuse("import", "FIRMWARE", "FIRMWARE is missing, expected the name of a firmware");
+  if (options.vehicle.empty())
+    refuse("import", "--vehicle", "--vehicle is missing, expected the vehicle");
+  if (options.file.empty() && !options.defaults)
+    refuse("import", "FILE", "FILE is missing, expected a file of parameters, or --defaults");
 }
 
 /// The firmware that the file names. The options may repeat it but must not contradict it.
@@ -54,7 +53,10 @@ Firmware agreed(const Firmware& asked, const Firmware& written, const Options& o
 void run_import(const Options& options, Context& context) {
   require_complete(options);
   const FirmwareKind kind = firmware_kind(options.firmware, "FIRMWARE");
-  Firmware target = firmware(kind, options.version, "--firmware, --setup");
+  FirmwareOptions version = options.version;
+  version.setup.clear();
+  (void)firmware(kind, version, "--firmware");
+  Firmware target = firmware(kind, options.version, "--setup");
   std::optional<ParameterFile> file;
   if (!options.defaults) {
     const std::string text = internal::read_text_file(options.file, kLargestFile);

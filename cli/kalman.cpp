@@ -76,7 +76,8 @@ void add_options(CommandLine& line, Options& options) {
 
 void run_kalman(const Options& options, Context& context) {
   const TimeArguments& time = options.time;
-  if (time.count() != 1)
+  require_one_time(time, "kalman");
+  if (time.count() == 0)
     refuse("kalman", "--discrete",
            "expected one of --discrete (A is discrete), --continuous, --sampled DT");
   if (time.sampled) require_positive(*time.sampled, "kalman", "--sampled");

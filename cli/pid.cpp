@@ -60,10 +60,14 @@ void require_one_way(const Options& options) {
   const bool requirement = options.crossover || options.phase_margin;
   const bool rule = !options.rule.empty();
   const bool bounds = options.cascade.Ms_max || options.Mt_max || options.noise_gain_max;
+  if (!requirement && !rule && !bounds)
+    refuse("pid", "--crossover",
+           "the plant has no requirement, expected --crossover with --phase-margin, --rule, or "
+           "--Ms-max with optional --Mt-max and --noise-gain-max");
   if (int{requirement} + int{rule} + int{bounds} != 1)
     refuse("pid", "--crossover",
-           "expected a vehicle, or one of --crossover with --phase-margin, --rule, or --Ms-max "
-           "with optional --Mt-max and --noise-gain-max");
+           "more than one of --crossover with --phase-margin, --rule, and --Ms-max with --Mt-max "
+           "and --noise-gain-max was given, expected one of them");
   if (requirement && !(options.crossover && options.phase_margin))
     refuse("pid", options.crossover ? "--phase-margin" : "--crossover",
            "--crossover and --phase-margin belong together, expected both");
@@ -257,8 +261,10 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
   line.add_option("--for NAME", options.for_firmware,
                   "with V: px4, ardupilot, betaflight or crazyflie: use the structure of this "
                   "firmware, and bound the margins with its filters and delay as well");
-  line.add_option("--firmware VERSION", options.firmware.version,
-                  "with --for: version of the firmware; default: the newest known one");
+  line.add_option(
+      "--firmware VERSION", options.firmware.version,
+      "with --for: version of the firmware; default: px4 1.16, ardupilot 4.6, betaflight "
+      "2026.6, crazyflie 2026.08");
   line.add_option("--setup NAME", options.firmware.setup,
                   "with --for crazyflie: standard (default), legacy, thrust-kit or brushless");
   line.add_number(

@@ -211,33 +211,34 @@ void add_options(CommandLine& line, Options& options) {
   MeasuredWords& words = options.measured;
   line.add_option("ACTION", options.action, "list, show, check or new");
   line.add_option("V", options.vehicle,
-                  "a built-in vehicle's name or a vehicle file; of new, a name");
-  line.add_option("--mass M", words.mass, "of new: mass ready to fly, with its unit (1240g)");
-  line.add_option("--arm L", words.arm, "of new: from the centre to a rotor's axis (225mm)");
-  line.add_option("--propeller D", words.propeller, "of new: diameter of a propeller (9.4in)");
-  line.add_count("--rotors N", words.rotors, 1, "of new: 4 (default), 6 or 8, evenly spaced");
+                  "a built-in vehicle's name or a vehicle file; with new: a name");
+  line.add_option("--mass M", words.mass, "with new: mass ready to fly, with its unit (1240g)");
+  line.add_option("--arm L", words.arm, "with new: from the centre to a rotor's axis (225mm)");
+  line.add_option("--propeller D", words.propeller, "with new: diameter of a propeller (9.4in)");
+  line.add_count("--rotors N", words.rotors, 1, "with new: 4 (default), 6 or 8, evenly spaced");
   line.add_option("--layout NAME", words.layout,
-                  "of new: x (default, two rotors in front) or plus (one in front)");
+                  "with new: x (default, two rotors in front) or plus (one in front)");
   line.add_option("--spin NAME", words.spin,
-                  "of new: cw (default) or ccw, of the front left rotor of x, the front one of "
+                  "with new: cw (default) or ccw, of the front left rotor of x, the front one of "
                   "plus; the others alternate");
-  line.add_count("--blades N", words.blades, 1, "of new: of a propeller (default 2)");
+  line.add_count("--blades N", words.blades, 1, "with new: of a propeller (default 2)");
   line.add_option("--max-thrust F", words.max_thrust,
-                  "of new: thrust of one rotor at full command (760gf)");
+                  "with new: thrust of one rotor at full command (760gf)");
   line.add_positive("--thrust-to-weight N", words.thrust_to_weight,
-                    "of new: ratio at full command, instead of --max-thrust");
+                    "with new: ratio at full command, instead of --max-thrust");
   line.add_option("--max-speed W", words.max_speed,
-                  "of new: rotor speed at full command (9800rpm)");
+                  "with new: rotor speed at full command (9800rpm)");
   line.add_option("--hover-speed W", words.hover_speed,
-                  "of new: mean rotor speed in hover (5200rpm)");
-  line.add_option("--lag T", words.lag, "of new: time constant of the motors (40ms)");
+                  "with new: mean rotor speed in hover (5200rpm)");
+  line.add_option("--lag T", words.lag, "with new: time constant of the motors (40ms)");
   line.add_option("--inertia LIST", words.inertia,
-                  "of new: about body x, y and z (0.011kgm2,0.011kgm2,0.02kgm2)");
+                  "with new: about body x, y and z (0.011kgm2,0.011kgm2,0.02kgm2)");
   line.add_option("--sensors NAME", words.sensors,
-                  "of new: typical sensors to list: gps (default) or flow");
-  line.add_flag("--brushed", words.brushed, "of new: brushed motors, as in toys");
-  line.add_flag("--ask", words.ask, "of new: ask for mass, arm, propeller, hover speed and thrust");
-  line.add_flag("--force", words.force, "of new: replace an existing file");
+                  "with new: typical sensors to list: gps (default) or flow");
+  line.add_flag("--brushed", words.brushed, "with new: brushed motors, as in toys");
+  line.add_flag("--ask", words.ask,
+                "with new: ask for mass, arm, propeller, hover speed and thrust");
+  line.add_flag("--force", words.force, "with new: replace an existing file");
 }
 
 }  // namespace

@@ -114,7 +114,11 @@ void CommandLine::Parser::refuse_extras() const {
     for (const std::string& name : option.all_names())
       if (name.starts_with("--")) known.push_back(name);
   const std::string name = extra.substr(0, extra.find('='));
-  refuse(name, fmt::format("no option '{}'{}", name, internal::did_you_mean(name, known)));
+  const std::string near = internal::did_you_mean(name, known);
+  refuse(name,
+         fmt::format(
+             "no option '{}'{}", name,
+             near.empty() ? fmt::format("; 'quadtune help {}' lists the options", verb) : near));
 }
 
 /// Without this check, CLI11 would use the option that follows as the value: "-o --json" as a file

@@ -81,7 +81,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     // The same file may be given twice, once in the right place.
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty())
-      return fmt::format("; this is {}, which no command reads", to_string(*kind));
+      return fmt::format("; this is {}, and no command reads it", to_string(*kind));
     constexpr std::ptrdiff_t kShown = 4;
     const Words shown(takers.begin(), takers.begin() + std::min(std::ssize(takers), kShown));
     const std::string more = std::ssize(takers) > kShown

@@ -216,7 +216,9 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
     if (!file["type"] || file["type"].as<std::string>() != "persistent_param_state" ||
         !file["version"] || file["version"].as<std::string>() != "1" ||
         file["version"].Tag() != "!")
-      throw InvalidInput(origin, "expected type persistent_param_state and version '1' in quotes");
+      throw InvalidInput(origin,
+                         "is no file of persistent parameters in version 1, expected \"type: "
+                         "persistent_param_state\" and \"version: '1'\" with these quotes");
     for (const auto& entry : file["params"]) {
       const std::string name = entry.first.as<std::string>();
       const YAML::Node& state = entry.second;

@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -119,13 +120,19 @@ std::string translate_message(std::string_view description, std::string_view tex
   if (const std::size_t saw = words.find("expected a comment or whitespace, saw ");
       saw != std::string::npos) {
     const std::string came = words.substr(words.find("saw ") + 4);
-    return came == "','" ? "not TOML: ',' after a value, expected a decimal point, or the end of "
-                           "the line"
-                         : fmt::format(
-                               "not TOML: {} after a value, expected the end of the line, "
-                               "because the unit is part of the key",
-                               came);
+    return came == "','"
+               ? "not TOML: ',' after a value, expected a decimal point, or the end of "
+                 "the line"
+               : fmt::format(
+                     "not TOML: {} after a value, expected the end of the line{}", came,
+                     came.size() == 3 && std::isalpha(static_cast<unsigned char>(came[1])) != 0
+                         ? ", because the unit is part of the key"
+                         : "");
   }
+  if (words.find("unescaped control characters") != std::string::npos)
+    return "not TOML: a text has no closing quote in its line, or contains a control character";
+  if (words.find("invalid utf-8") != std::string::npos)
+    return "not TOML: the line has bytes that are not UTF-8, expected text in UTF-8";
   if (words.find("could not determine value type") != std::string::npos)
     return "not TOML: the value has no recognizable type, expected a number, a text in quotes, "
            "true, false, "

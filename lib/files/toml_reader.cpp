@@ -155,8 +155,14 @@ double TomlTable::number_or(const std::string& key, double fallback, const Range
 int TomlTable::integer(const std::string& key, int low, int high) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::integer || node.integer < low || node.integer > high)
-    throw InvalidInput(at(node), fmt::format("{} is {}, expected a whole number from {} to {}",
-                                             named(key), describe(node), low, high));
+    throw InvalidInput(
+        at(node),
+        node.kind == TomlNode::Kind::real
+            ? fmt::format("{} is {:#}, expected a whole number from {} to {}, written without a "
+                          "point or an exponent",
+                          named(key), node.value, low, high)
+            : fmt::format("{} is {}, expected a whole number from {} to {}", named(key),
+                          describe(node), low, high));
   return static_cast<int>(node.integer);
 }
 
@@ -307,12 +313,14 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
     throw InvalidInput(
         at(node), fmt::format("{} is {}, expected a list of tables, each under [[{}]]", named(key),
                               describe(node), key));
+  const bool in_table = title_.starts_with('[') && title_.ends_with(']');
+  const std::string parent = in_table ? title_.substr(1, title_.size() - 2) + "." : "";
   for (const TomlNode& element : node.list) {
     const std::size_t count = all.size() + 1;
     if (element.kind != TomlNode::Kind::table)
       throw InvalidInput(at(element), fmt::format("{} has {} as entry {}, expected a table",
                                                   named(key), describe(element), count));
-    all.push_back(inner(element, fmt::format("[[{}]] {}", key, count)));
+    all.push_back(inner(element, fmt::format("[[{}{}]] {}", parent, key, count)));
   }
   return all;
 }

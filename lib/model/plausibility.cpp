@@ -109,9 +109,10 @@ class Search {
     const PlausibleRange range{0.03, 3};
     const double largest = moments(2) / size;
     if (range.holds(largest))
-      return look("smallest principal moment over mass times arm2", "", moments(0) / size, range,
-                  units);
-    return look("largest principal moment over mass times arm2", "", largest, range, units);
+      return look("smallest principal moment over mass times the square of the arm", "",
+                  moments(0) / size, range, units);
+    return look("largest principal moment over mass times the square of the arm", "", largest,
+                range, units);
   }
 
   bool weight() {

@@ -271,10 +271,7 @@ ExportContent content_of(const ExportArguments& given) {
   if (!forced.empty() && !given.force) refuse_export(given, forced);
   GivenLaws laws = read_given_laws(given.source);
   require_sampled(laws.laws, given.source);
-  const std::string vehicle = given.vehicle.empty() ? laws.laws.vehicle : given.vehicle;
-  if (vehicle.empty())
-    throw OptionError("vehicle", "the gains do not name their vehicle, expected vehicle=V");
-  ExportContent content = export_content(std::move(laws.laws), vehicle, given.source);
+  ExportContent content = export_content(std::move(laws.laws), given.vehicle, given.source);
   content.forced = forced;
   return content;
 }

@@ -127,7 +127,9 @@ LagFit<FopdtModel> fit_fopdt(const ContinuousTransferFunction& plant) {
     return fit;
   }
   const double T = 1.5 * (*t63 - *t28);
-  fit.model = {gain, T, plant.delay + std::max(*t63 - T, 0.0)};
+  // A single lag has no delay of its own; the times are known to rounding only.
+  const double own = *t63 - T;
+  fit.model = {gain, T, plant.delay + (own > 1e-9 * T ? own : 0)};
   return fit;
 }
 

@@ -46,9 +46,10 @@ void validate_bounds(const PidBounds& bounds, PidType type, double Tf) {
   if (!(Tf >= 0) || !std::isfinite(Tf))
     throw InvalidInput(where, fmt::format("Tf is {} s, expected 0 or more", Tf));
   if (type == PidType::PID && Tf == 0 && std::isfinite(bounds.noise_gain_max))
-    throw InvalidInput(where,
-                       "Tf is 0 s with a bound on the noise gain, expected more because the noise "
-                       "gain of a derivative without a filter is infinite");
+    throw InvalidInput(
+        where,
+        "Tf is 0 s with a bound on the noise gain, expected more than 0, because the "
+        "noise gain of a derivative without a filter is infinite");
 }
 
 /// Maximizes Ki for one transfer function; Kp and Kd are searched.

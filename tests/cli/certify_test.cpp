@@ -224,7 +224,7 @@ TEST_F(CertifyTest, RefusesWhatDoesNotVerify) {
       refused({(folder.path() / "out").string()}, 1),
       HasSubstr("does not verify: the check 'K_prop_full.txt matches the manifest' failed"));
   EXPECT_THAT(refused({exported("uquad-hover"), "--controller", "cascaded-pid"}, 3),
-              HasSubstr("the export has no cascaded-pid; expected a law"));
+              HasSubstr("the export has no cascaded-pid, expected state-feedback"));
 }
 
 }  // namespace

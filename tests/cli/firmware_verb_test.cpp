@@ -231,7 +231,8 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,
           "--firmware applies to the parameters of a firmware only");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 2, "no firmware 'px5'");
-  refused({"import", "px4", "--vehicle", "mambo"}, 2, "a file of its parameters or --defaults");
+  refused({"import", "px4", "--vehicle", "mambo"}, 2,
+          "FILE is missing, expected a file of parameters, or --defaults");
   refused({"import", "px4", "--defaults", "--vehicle", "mambo", "--dt", "2"}, 2,
           "--dt is 2 s, expected 0.0001 to 1 s");
   refused({"fly", "mambo", "--controller", "firmware"}, 2, "controller firmware requires gains");

@@ -52,6 +52,25 @@ Json without_time(Json flight) {
   return flight;
 }
 
+TEST(Fly, SaysThatAFlightIsTooShortToSettle) {
+  const Json flight = flown({"fly", "mambo", "--sensors", "ideal", "--duration", "5"});
+  EXPECT_EQ(flight["verdict"], "fail");
+  EXPECT_THAT(flight["reasons"].dump(),
+              HasSubstr("settling cannot be evaluated: no reference is constant for window_s = 10 "
+                        "s in a flight of 5 s; expected a longer flight"));
+  EXPECT_EQ(flight["diagnosis"]["cause"], "mission limits");
+  EXPECT_THAT(flight["diagnosis"].dump(), Not(HasSubstr("the law alone fails")));
+}
+
+TEST(Fly, FliesWhatPidWritesForALongPeriod) {
+  const TemporaryDirectory folder;
+  const std::string gains = (folder.path() / "slow.json").string();
+  ASSERT_EQ(run_program({"pid", "mambo", "--dt", "1", "--method", "loops", "-o", gains}).status, 0);
+  EXPECT_THAT(
+      run_program({"fly", "mambo", "--gains", gains, "--sensors", "ideal", "--duration", "15"}).err,
+      Not(HasSubstr("back_calculation")));
+}
+
 TEST(Fly, HoversEveryVehicleWithIdealSensors) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::string& vehicle : built_in_vehicles())

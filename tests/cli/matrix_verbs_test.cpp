@@ -183,7 +183,8 @@ TEST(MeasuredMargins, DefectsOfTheFileAreNamedByLine) {
     return result.err;
   };
   EXPECT_THAT(message("w,re\n1,2\n"), HasSubstr("bad.csv:1: expected the columns re and im"));
-  EXPECT_THAT(message("w,f,re,im\n"), HasSubstr("bad.csv:1: expected one column w"));
+  EXPECT_THAT(message("w,f,re,im\n"),
+              HasSubstr("bad.csv:1: has not exactly one column of frequencies, expected w"));
   EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"), HasSubstr("bad.csv:3: the frequency is not"));
   EXPECT_THAT(message("w,re,im\n1,2\n"), HasSubstr("bad.csv:2: 2 entries, expected 3"));
   EXPECT_THAT(message("w,re,im\n1,x,3\n"), HasSubstr("'x' is not a finite number"));
@@ -359,6 +360,24 @@ TEST(DiscretePid, CoefficientsAreThoseOfTheRule) {
   expect_refused({"pid", "--gains", "2,1"}, "--dt is missing");
   expect_refused({"pid", "--num", "1", "--den", "1,1", "--rule", "simc", "--integrator", "euler"},
                  "--integrator requires --dt");
+}
+
+TEST(PidRulesOfAPlant, RejectAPlantWithoutDelay) {
+  const std::vector<std::string> plant = {"pid", "--num", "1", "--den", "1,1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), plant.begin(), plant.end());
+    return more;
+  };
+  for (const char* rule : {"amigo", "ziegler-nichols", "cohen-coon"})
+    expect_refused(with({"--rule", rule}), "divides by the delay, and the plant has none");
+  expect_refused(with({"--rule", "simc", "--type", "PI"}), "--tau-c is missing");
+  EXPECT_NEAR(printed_json(with({"--rule", "simc", "--type", "PI", "--tau-c", "0.5"}))["Kp"], 2,
+              1e-12);
+  const ProgramResult result = run_program(with({"--rule", "simc"}));
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(result.err, HasSubstr("a PI requires only one lag"));
+  expect_refused(with({}), "the plant has no requirement");
+  expect_refused(with({"--rule", "lambda", "--Ms-max", "1.5"}), "expected one of them");
 }
 
 TEST(UltimateRules, FromKuAndTu) {

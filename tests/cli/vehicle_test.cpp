@@ -33,9 +33,11 @@ TEST(VehicleCheck, WarnsInTextAndJson) {
           .string();
   const ProgramResult text = run_program({"vehicle", "check", file});
   EXPECT_EQ(text.status, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("v.toml: warning: largest principal moment over mass times arm2 "
-                                  "is 5.21e+06, expected 0.03 to 3: inertia_kg_m2 may be in g "
-                                  "cm2"));
+  EXPECT_THAT(
+      text.out,
+      HasSubstr("v.toml: warning: largest principal moment over mass times the "
+                "square of the arm is 5.21e+06, expected 0.03 to 3: inertia_kg_m2 may be in g "
+                "cm2"));
   const SortedJson json = SortedJson::parse(run_program({"vehicle", "check", file, "--json"}).out);
   ASSERT_EQ(json["warnings"].size(), 1);
   EXPECT_EQ(json["warnings"][0]["cause"], "inertia_kg_m2 may be in g cm2");

@@ -83,6 +83,19 @@ TEST_F(VerifyManifest, FindsTheVehicleFileByItsHash) {
   EXPECT_THAT(verified(
                   out, [](Json&) {}, 0),
               HasSubstr("ok   inputs are those of the manifest: own.toml"));
+  // `export` finds it in the same way; gains in a file have no manifest.
+  const std::string code = (folder_.path() / "code").string();
+  EXPECT_EQ(run_program({"export", out, "--to", "c", "-o", code}).status, 0);
+  const std::string gains = (folder_.path() / "own.json").string();
+  const ProgramResult unnamed = run_program({"export", gains, "--to", "c", "-o", code + "2"});
+  EXPECT_EQ(unnamed.status, 2);
+  EXPECT_THAT(unnamed.err, HasSubstr("--vehicle is missing, expected the file of 'own', the "
+                                     "vehicle of " +
+                                     gains + ", which is not built in"));
+  const ProgramResult other = run_program({"verify", out, "--vehicle", "uquad"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err,
+              HasSubstr("--vehicle is 'uquad', expected 'own', the vehicle of the manifest"));
   folder_.write("own.toml", vehicle + "\n");
   EXPECT_THAT(verified(
                   out, [](Json&) {}, 2),

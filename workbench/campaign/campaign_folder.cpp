@@ -144,10 +144,11 @@ std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::str
     missing.resize(missing.size() - more);
     throw InvalidInput(
         path, fmt::format("shard{} {}{} {} not complete; expected all {}: `quadtune campaign work "
-                          "{} --shard {}` flies the missing flights",
+                          "{} --shard {}` completes {}",
                           missing.size() + more == 1 ? "" : "s", internal::joined(missing, ", "),
                           more > 0 ? fmt::format(" and {} more", more) : "",
-                          missing.size() + more == 1 ? "is" : "are", plan.shards, path, first));
+                          missing.size() + more == 1 ? "is" : "are", plan.shards, path, first,
+                          missing.size() + more == 1 ? "it" : "the first"));
   }
   return records;
 }

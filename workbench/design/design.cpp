@@ -204,7 +204,8 @@ bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade,
   }
   if (std::isinf(cascade.attitude_limit)) cascade.attitude_limit = flown.attitude_limit;
   if (std::isinf(cascade.integrator_limit)) cascade.integrator_limit = flown.integrator_limit;
-  if (cascade.back_calculation == 0) cascade.back_calculation = kDesignedBackCalculation;
+  if (cascade.back_calculation == 0)
+    cascade.back_calculation = designed_back_calculation(cascade.gains.dt);
   return !cascade.specification;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <numbers>
 #include <utility>
@@ -22,6 +23,7 @@
 #include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
+#include "verify/manifest_vehicle.hpp"
 
 namespace quadtune {
 
@@ -81,6 +83,26 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
   return text;
 }
 
+/// @param name  of the user; empty: the vehicle that the laws name
+Vehicle vehicle_of(const StoredLaws& laws, const std::string& name, const std::string& path) {
+  if (!name.empty()) return load_vehicle(name);
+  if (std::error_code ignored; std::filesystem::is_regular_file(
+          std::filesystem::path(path) / std::string(kManifestName), ignored))
+    return internal::vehicle_of_manifest(path, read_manifest(path), name);
+  if (laws.vehicle.empty())
+    throw OptionError("vehicle",
+                      fmt::format("vehicle is missing, expected that of {}, which names none",
+                                  internal::printable(path)));
+  const std::vector<std::string> built_in = built_in_vehicles();
+  if (std::find(built_in.begin(), built_in.end(), laws.vehicle) == built_in.end())
+    throw OptionError(
+        "vehicle",
+        fmt::format("vehicle is missing, expected the file of '{}', the vehicle of {}, which is "
+                    "not built in",
+                    internal::printable(laws.vehicle), internal::printable(path)));
+  return load_vehicle(laws.vehicle);
+}
+
 }  // namespace
 
 void require_sampled(const StoredLaws& laws, const std::string& path) {
@@ -92,10 +114,10 @@ void require_sampled(const StoredLaws& laws, const std::string& path) {
 
 ExportContent export_content(StoredLaws laws, const std::string& vehicle, const std::string& path) {
   ExportContent content;
+  content.vehicle = vehicle_of(laws, vehicle, path);
   content.gains = std::move(laws.gains);
   content.cascade = std::move(laws.cascade);
   content.estimator = std::move(laws.estimator);
-  content.vehicle = load_vehicle(vehicle);
   if (content.gains) content.gains->vehicle = content.vehicle.name;
   if (content.cascade)
     content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, path);
@@ -107,7 +129,9 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
 ExportContent schedule_content(const std::string& path, const std::string& vehicle) {
   const std::string text = internal::read_text_file(path, kScheduleTableLimit);
   GainSchedule schedule = parse_schedule(text, path, table_format(path, path));
-  ExportContent content = export_content({}, vehicle.empty() ? schedule.vehicle : vehicle, path);
+  StoredLaws none;
+  none.vehicle = schedule.vehicle;
+  ExportContent content = export_content(std::move(none), vehicle, path);
   require_vehicle({schedule.vehicle, {}, {}}, content.vehicle, path);
   content.schedule = std::move(schedule);
   content.inputs.push_back({std::filesystem::path(path).filename().string(), text});

@@ -113,7 +113,7 @@ ExportContent content_of(const Vehicle& vehicle, const CascadeReport& report, bo
   ExportContent content;
   content.vehicle = vehicle;
   content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
-  content.cascade->back_calculation = kDesignedBackCalculation;
+  content.cascade->back_calculation = designed_back_calculation(report.cascade.gains.dt);
   content.cascade->velocity_feed_forward = true;
   content.cascade->conditional_integration = true;
   content.cascade->integrator_limit = CascadeController{}.integrator_limit;

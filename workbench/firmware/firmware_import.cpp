@@ -68,7 +68,7 @@ ExportContent content_of(const Vehicle& vehicle, const CascadeGains& gains) {
   ExportContent content;
   content.vehicle = vehicle;
   content.cascade = CascadeDesign{gains, {}, PidMethod::forward_euler};
-  content.cascade->back_calculation = kDesignedBackCalculation;
+  content.cascade->back_calculation = designed_back_calculation(gains.dt);
   content.cascade->velocity_feed_forward = true;
   content.cascade->conditional_integration = true;
   content.cascade->integrator_limit = CascadeController{}.integrator_limit;

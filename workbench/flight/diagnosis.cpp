@@ -68,6 +68,14 @@ double missed_by(const FlownFlight& flight) {
   return max;
 }
 
+/// Whether the flight is complete and fails only because metrics are undefined, such as settling in
+/// a flight that is too short.
+bool only_undefined(const FlownFlight& flight) {
+  if (flight.result.end != FlightEnd::completed || flight.passed) return false;
+  return std::all_of(flight.verdict.checks.begin(), flight.verdict.checks.end(),
+                     [](const LimitCheck& check) { return check.ok || std::isnan(check.value); });
+}
+
 /// Describes the first limit that was exceeded.
 std::string first_missed(const FlownFlight& flight) {
   for (const LimitCheck& check : flight.verdict.checks)
@@ -212,7 +220,7 @@ std::string with_others(const FlightEvidence& evidence) {
 
 FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
                      const FlightEvidence& evidence, const std::vector<FlightEvent>& at_fault) {
-  if (std::holds_alternative<MotorTest>(plan.setup.mission.kind))
+  if (std::holds_alternative<MotorTest>(plan.setup.mission.kind) || only_undefined(flight))
     return FlightCause::mission_limits;
   const bool flies = !std::holds_alternative<Carried>(plan.setup.mission.kind);
   if (flies && !evidence.passes_with_true_states) {
@@ -299,6 +307,11 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
               : fmt::format("`{}`", tune_command(plan));
       return;
     case FlightCause::mission_limits:
+      if (only_undefined(flight)) {
+        diagnosis.why = "a metric that has a limit is undefined in this flight";
+        diagnosis.next = "a longer flight, or a copy of the mission's file without this limit";
+        return;
+      }
       diagnosis.why = fmt::format(
           "the mission's limits are tight for this law: with true states, {}", first_missed(truth));
       diagnosis.next = fmt::format("`{}`, or a copy of the mission's file with wider [limits]",

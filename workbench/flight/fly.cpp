@@ -208,7 +208,12 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
     if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
       continue;
     std::string reason =
-        check.metric == Metric::settling_time && !std::isfinite(check.value)
+        check.metric == Metric::settling_time && std::isnan(check.value)
+            ? fmt::format(
+                  "settling cannot be evaluated: no reference is constant for window_s = {:.4g} s "
+                  "in a flight of {:.4g} s; expected a longer flight",
+                  flight.plan.setup.mission.settling.window, result.end_time)
+        : check.metric == Metric::settling_time && std::isinf(check.value)
             ? fmt::format("the vehicle does not settle, expected a settling time of at most {}",
                           describe(check.metric, check.bound))
             : fmt::format("{} is {}, expected {} {}", label_of(check.metric),

@@ -56,7 +56,7 @@ FilterModel chosen_filter(FilterModel model, const FilterChoice& choice) {
     if (choice.gate != 0) sensor.gate = choice.gate;
     if (choice.student != 0) sensor.student = choice.student;
   }
-  validate(model, choice.gate != 0 || choice.student != 0 ? "--gate, --student" : "--start");
+  validate(model, choice.gate != 0 ? "--gate" : choice.student != 0 ? "--student" : "--start");
   return model;
 }
 

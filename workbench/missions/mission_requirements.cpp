@@ -65,7 +65,9 @@ std::vector<CostTerm> read_cost(const TomlTable& table, MissionRequirements& req
 
 std::vector<Limit> read_limits(const TomlTable& table) {
   std::vector<internal::TomlKey> keys;
-  for (std::size_t m = 0; m < kMetrics; ++m) keys.push_back({limit_key(static_cast<Metric>(m))});
+  for (std::size_t m = 0; m < kMetrics; ++m)
+    if (static_cast<Metric>(m) != Metric::duration)  // that of the mission
+      keys.push_back({limit_key(static_cast<Metric>(m))});
   table.allow(keys);
   std::vector<Limit> limits;
   for (std::size_t m = 0; m < kMetrics; ++m) {

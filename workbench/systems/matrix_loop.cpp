@@ -188,7 +188,9 @@ DataColumns columns_of(const std::vector<std::string>& words, const std::string&
       }
   const auto given = [](int column) { return int{column >= 0}; };
   if (given(columns.w) + given(columns.f) != 1)
-    throw InvalidInput(where, "expected one column w [rad/s] or f [Hz] in the first line");
+    throw InvalidInput(where,
+                       "has not exactly one column of frequencies, expected w [rad/s] or f [Hz] in "
+                       "the first line");
   const bool cartesian = columns.re >= 0 && columns.im >= 0;
   const bool polar = given(columns.mag) + given(columns.mag_db) == 1 &&
                      given(columns.phase_deg) + given(columns.phase_rad) == 1;

@@ -66,12 +66,26 @@ std::string model_text(const FopdtModel& model) {
                      short_number(model.time_constant));
 }
 
+double tau_c_or_delay(const std::optional<double>& tau_c, double delay) {
+  if (!tau_c && delay == 0)
+    throw OptionError("tau-c",
+                      "tau-c is missing, expected a positive number, because its default for rule "
+                      "simc is the delay of the plant, which has none");
+  return tau_c.value_or(delay);
+}
+
 /// SIMC uses a second lag for its PID, according to its half rule.
 Found by_simc(const ContinuousTransferFunction& plant, PidType type,
               const std::optional<double>& tau_c) {
   if (type == PidType::PID) {
-    const SopdtModel model = require_fitted(half_rule_sopdt(plant));
-    const double used = tau_c.value_or(model.delay);
+    const LagFit<SopdtModel> fit = half_rule_sopdt(plant);
+    if (!fit.fitted())
+      throw NoSolution(fmt::format("pid: the rule simc requires a second-order model with delay "
+                                   "for a PID: {}; a PI requires only one lag",
+                                   fit.culprit),
+                       "--rule");
+    const SopdtModel& model = fit.model;
+    const double used = tau_c_or_delay(tau_c, model.delay);
     return {simc(model, used),
             fmt::format("PID by SIMC for {} e^(-{} s)/(({} s + 1)({} s + 1)), tau_c {} s",
                         short_number(model.gain), short_number(model.delay),
@@ -82,7 +96,7 @@ Found by_simc(const ContinuousTransferFunction& plant, PidType type,
     throw OptionError("type", "rule simc supports PI and PID; expected one of them as --type");
   const LagFit<FopdtModel> half = half_rule_fopdt(plant);
   const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
-  const double used = tau_c.value_or(model.delay);
+  const double used = tau_c_or_delay(tau_c, model.delay);
   return {simc(model, used),
           fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), short_number(used))};
 }
@@ -111,6 +125,10 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
     return by_ultimate_point(plant, type, rule);
   if (rule == "simc") return by_simc(plant, type, asked.tau_c);
   const FopdtModel model = require_fitted(fit_fopdt(plant));
+  if (rule != "lambda" && model.delay == 0)
+    throw OptionError("rule", fmt::format("rule {} divides by the delay, and the plant has none; "
+                                          "expected a plant with a delay, or the rule lambda",
+                                          rule));
   const double lambda = asked.tau_c.value_or(std::max(model.delay, model.time_constant / 3));
   const PidGains gains = rule == "amigo"             ? amigo(type, model)
                          : rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)

@@ -102,9 +102,11 @@ std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions
   if (stored.cascade && asked_for(kCascadedPid))
     laws.push_back(asked_cascade(*stored.cascade, stored, options, vehicle));
   if (laws.empty())
-    throw InvalidInput(directory,
-                       fmt::format("the export has no {}; expected a law whose loop can be closed",
-                                   controller.empty() ? "gains" : controller));
+    throw InvalidInput(directory, fmt::format("the export has no {}, expected {}",
+                                              controller.empty() ? "gains" : controller,
+                                              stored.gains     ? kStateFeedback
+                                              : stored.cascade ? kCascadedPid
+                                                               : "a law whose loop can be closed"));
   return laws;
 }
 

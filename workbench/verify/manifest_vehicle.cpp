@@ -43,7 +43,14 @@ std::vector<fs::path> folders_of_inputs(const std::string& directory) {
 
 Vehicle vehicle_of_manifest(const std::string& directory, const Manifest& manifest,
                             const std::string& name) {
-  if (!name.empty()) return load_vehicle(name);
+  if (!name.empty()) {
+    Vehicle given = load_vehicle(name);
+    if (given.name != manifest.vehicle && !manifest.vehicle.empty())
+      throw OptionError("vehicle",
+                        fmt::format("vehicle is '{}', expected '{}', the vehicle of the manifest",
+                                    printable(given.name), printable(manifest.vehicle)));
+    return given;
+  }
   const std::vector<std::string> built_in = built_in_vehicles();
   if (std::find(built_in.begin(), built_in.end(), manifest.vehicle) != built_in.end())
     return load_vehicle(manifest.vehicle);

@@ -17,7 +17,8 @@ namespace quadtune::internal {
 
 /// @param name  value of --vehicle; empty: the vehicle of the manifest, which is built in, or an
 ///              input of the manifest that is in one of these folders with the same bytes
-/// @throws OptionError  "vehicle", if `name` is empty and there is no such vehicle
+/// @throws OptionError  "vehicle", if `name` is empty and there is no such vehicle, or if it is
+///                      another vehicle than that of the manifest
 /// @throws InvalidInput, FileError  if `name` is not a vehicle
 [[nodiscard]] Vehicle vehicle_of_manifest(const std::string& directory, const Manifest& manifest,
                                           const std::string& name);

@@ -10,6 +10,7 @@
 
 #include "logs/log_titles.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -171,12 +172,17 @@ class Chooser {
       if (named_ && titles_[i].name == name) return i;
       if (named_) known.push_back(titles_[i].name);
     }
+    constexpr std::size_t kListed = 12;
+    const std::string near = did_you_mean(name, known);
     throw InvalidInput(
-        where_,
-        named_ ? fmt::format("has no column '{}'{}", printable(name), did_you_mean(name, known))
-               : fmt::format("has no line of column names to look up '{}', expected the "
-                             "column's number",
-                             printable(name)));
+        where_, named_ ? fmt::format("has no column '{}'{}", printable(name),
+                                     near.empty() && known.size() <= kListed
+                                         ? fmt::format(", expected one of {}",
+                                                       printable(joined(known, ", ")))
+                                         : near)
+                       : fmt::format("has no line of column names to look up '{}', expected the "
+                                     "column's number",
+                                     printable(name)));
   }
 
   void add_others() {

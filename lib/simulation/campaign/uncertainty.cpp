@@ -107,7 +107,11 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
       refuse(fmt::format("{} is outside least and most", d.first));
     const Cut cut = cut_of(d);
     if (d.second > 0 && (cut.low > 8 || cut.high < -8))
-      refuse("least and most exclude the whole distribution, expected a part within 8 deviations");
+      refuse(
+          fmt::format("least is {:.4g} and most is {:.4g}, but the distribution extends from "
+                      "{:.4g} to {:.4g} (8 deviations), expected an overlap",
+                      low, high, value_at({d.kind, d.first, d.second}, -8),
+                      value_at({d.kind, d.first, d.second}, 8)));
     // Without limits, the extremes are taken at 8 standard deviations, a probability of about
     // 10⁻¹⁵.
     if (d.second == 0) {

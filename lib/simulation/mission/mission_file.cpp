@@ -124,9 +124,10 @@ Script read_references(const std::vector<TomlTable>& tables, const Context& cont
     now.until = now.from + table.number_or("ramp_s", 0, internal::kTimes);
     if (first && now.until != 0)
       throw InvalidInput(table.where(now.from != 0 ? "at_s" : "ramp_s"),
-                         table.title() +
-                             " is not complete at 0 s, expected at_s = 0 without a ramp because a "
-                             "flight needs a reference from its beginning");
+                         fmt::format("{} in {} is {}, expected 0, because a flight needs a "
+                                     "reference from its beginning",
+                                     now.from != 0 ? "at_s" : "ramp_s", table.title(),
+                                     now.from != 0 ? now.from : now.until));
     if (!first) {
       const TimedReference& before = script.references.back();
       if (now.from < before.until || now.until <= before.from)
@@ -217,8 +218,8 @@ CirclePath read_circle(const TomlTable& table, const Context& context) {
   circle.radius = table.number("radius_m", internal::kPlaces);
   if (circle.radius == 0)
     throw InvalidInput(table.where("radius_m"),
-                       "radius_m in [circle] is 0, expected more (to the right) or less (to the "
-                       "left)");
+                       "radius_m in [circle] is 0, expected more than 0 (right turn) or less than "
+                       "0 (left turn)");
   circle.bearing = table.number_or("bearing_rad", 0, internal::kAngles);
   circle.speed = table.number("speed_m_per_s", internal::kSpeeds);
   circle.turns = table.number_or("turns", 1, internal::kCounts);

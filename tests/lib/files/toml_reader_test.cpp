@@ -93,7 +93,11 @@ INSTANTIATE_TEST_SUITE_P(
         TomlRefusal{"RaggedMatrix", [] { (void)body("x = [[1, 2],\n[3]]").matrix("x"); },
                     "file.toml:3: row 2 of x in [body] has 1 number, expected 2 as in row 1"},
         TomlRefusal{"Fraction", [] { (void)body("n = 2.5").integer("n", 1, 9); },
-                    "file.toml:2: n in [body] is 2.5, expected a whole number from 1 to 9"},
+                    "file.toml:2: n in [body] is 2.5, expected a whole number from 1 to 9, written "
+                    "without a point or an exponent"},
+        TomlRefusal{"WholeWithExponent", [] { (void)body("n = 3e0").integer("n", 1, 9); },
+                    "file.toml:2: n in [body] is 3.0, expected a whole number from 1 to 9, written "
+                    "without a point or an exponent"},
         TomlRefusal{
             "TwoLines", [] { (void)body("name = 'a\\nb'\nb = \"a\\nb\"").text("b"); },
             "file.toml:3: b in [body] has a line break or another control character, expected "

@@ -414,12 +414,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"BelowTheGround", kHead + kAir + "[hover]\nheight_m = -1\n",
                 "m.toml:7: height_m in [hover] is -1, expected 0 or more and 100000 or less"},
         Refusal{"FirstReferenceLater", kHead + kAir + "[[references]]\nat_s = 1\nheight_m = 1\n",
-                "m.toml:7: [[references]] 1 is not complete at 0 s, expected at_s = 0 without a "
-                "ramp because a flight needs a reference from its beginning"},
+                "m.toml:7: at_s in [[references]] 1 is 1, expected 0, because a flight needs a "
+                "reference from its beginning"},
         Refusal{"FirstReferenceRamp",
                 kHead + kAir + "[[references]]\nat_s = 0\nramp_s = 1\nheight_m = 1\n",
-                "m.toml:8: [[references]] 1 is not complete at 0 s, expected at_s = 0 without a "
-                "ramp because a flight needs a reference from its beginning"},
+                "m.toml:8: ramp_s in [[references]] 1 is 1, expected 0, because a flight needs a "
+                "reference from its beginning"},
         Refusal{"TimesGoBack",
                 kHead + kAir +
                     "[[references]]\nat_s = 0\nheight_m = 1\n[[references]]\nat_s = 3\nramp_s = 2\n"
@@ -492,21 +492,21 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"LineOfTwo", kHead + kAir + "[line]\nfrom_m = [0, 0]\n",
                 "m.toml:7: from_m in [line] has 2 numbers, expected 3 (north, east, height)"},
         Refusal{"Radius", kHead + kAir + "[circle]\nheight_m = 1\nradius_m = 0\n",
-                "m.toml:8: radius_m in [circle] is 0, expected more (to the right) or less (to the "
-                "left)"},
+                "m.toml:8: radius_m in [circle] is 0, expected more than 0 (right turn) or less "
+                "than 0 (left turn)"},
         Refusal{"Key", kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'q'\n",
-                "m.toml:10: key in [[press]] 1 is 'q', expected one of d a w s j l i k y h r e"},
+                "m.toml:10: key in [[keys.press]] 1 is 'q', expected one of d a w s j l i k y h r e"},
         Refusal{"TwoKeys",
                 kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'dd'\n",
-                "m.toml:10: key in [[press]] 1 is 'dd', expected one of d a w s j l i k y h r e"},
+                "m.toml:10: key in [[keys.press]] 1 is 'dd', expected one of d a w s j l i k y h r e"},
         Refusal{"NoKey",
                 kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = ''\n",
-                "m.toml:10: key in [[press]] 1 is '', expected one of d a w s j l i k y h r e"},
+                "m.toml:10: key in [[keys.press]] 1 is '', expected one of d a w s j l i k y h r e"},
         Refusal{"KeysAtOnce",
                 kHead + kAir +
                     "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'd'\n[[keys.press]]\n"
                     "at_s = 1\nkey = 'a'\n",
-                "m.toml:12: at_s in [[press]] 2 is 1, expected more than 1, the time of the key "
+                "m.toml:12: at_s in [[keys.press]] 2 is 1, expected more than 1, the time of the key "
                 "before"},
         Refusal{"Motor0", kHead + "[[motors]]\nat_s = 1\nfor_s = 1\nmotors = [0]\nshare = 0.1\n",
                 "m.toml:6: motors in [[motors]] 1 has 0, expected whole numbers from 1 to 16"},

@@ -218,6 +218,8 @@ TEST(FitFopdt, FindsAModelOfItsOwnForm) {
     EXPECT_NEAR(fit.model.gain, 3, 1e-12);
     EXPECT_NEAR(fit.model.time_constant / T, 1, 1e-10);
     EXPECT_NEAR(fit.model.delay, 0.4, 1e-10 * T);
+    // The rules that divide by the delay reject 0, not what rounding leaves of it.
+    EXPECT_EQ(fit_fopdt(lags(Eigen::VectorXcd::Constant(1, -1 / T), 0)).model.delay, 0) << T;
   }
 }
 

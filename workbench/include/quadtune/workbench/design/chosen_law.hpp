@@ -2,6 +2,7 @@
 /// The control law of a flight: designed, published, or from a file.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -29,6 +30,11 @@ inline constexpr double kUsualPeriod = 0.005;
 /// Back-calculation gain of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
 /// 0.001 is too small to unwind an integral.
 inline constexpr double kDesignedBackCalculation = 2;
+
+/// The back-calculation gain of a designed cascade with a control period dt [s], at most 1/dt.
+[[nodiscard]] inline double designed_back_calculation(double dt) {
+  return std::min(kDesignedBackCalculation, 1 / dt);
+}
 
 /// Limit of the pitch and roll references of designed cascades [rad].
 inline constexpr double kDesignedAttitudeLimit = 0.5;

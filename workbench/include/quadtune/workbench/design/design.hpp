@@ -116,7 +116,9 @@ struct DesignRequirements {
 /// but for a vehicle in memory and without files.
 ///
 ///     const DesignOutcome hover = design(load_vehicle("crazyflie"));
-///     if (!missions_passed(hover)) std::cerr << reasons(hover.flights[0])[0] << '\n';
+///     for (const auto* flights : {&hover.flights, &hover.disturbed})
+///       for (const FlownFlight& flight : *flights)
+///         for (const std::string& why : reasons(flight)) std::cerr << why << '\n';
 ///
 /// @param vehicle  valid
 /// @param requirements  the laws, and the missions that they must fly

@@ -19,8 +19,10 @@ void require_sampled(const StoredLaws& laws, const std::string& path);
 
 /// The export of laws from files: gains, cascade, estimator and vehicle; no weights and filters.
 /// @param laws     accepted by require_sampled()
-/// @param vehicle  name or file of the laws' vehicle
-/// @param path     of the laws, for messages
+/// @param vehicle  name or file of the laws' vehicle; empty: the vehicle that the laws name, which
+///                 is built in or, for an export, a file nearby with the hash in its manifest
+/// @param path     of the laws
+/// @throws OptionError  "vehicle", if `vehicle` is empty and no such vehicle is found
 /// @throws InvalidInput, FileError  as load_vehicle()
 /// @throws NoSolution               if the vehicle cannot hover
 [[nodiscard]] ExportContent export_content(StoredLaws laws, const std::string& vehicle,
@@ -29,6 +31,7 @@ void require_sampled(const StoredLaws& laws, const std::string& path);
 /// The export of a gain schedule: the schedule, its vehicle, and the files of both.
 /// @param path     of a table
 /// @param vehicle  name or file; empty: the vehicle that the schedule names
+/// @throws OptionError  "vehicle", if `vehicle` is empty and the schedule's vehicle is not built in
 /// @throws InvalidInput, FileError  as read_schedule() and load_vehicle(), or if the schedule is
 ///                       for another vehicle
 [[nodiscard]] ExportContent schedule_content(const std::string& path, const std::string& vehicle);
