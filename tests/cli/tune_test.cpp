@@ -213,8 +213,8 @@ TEST(TuneVerb, RefusesInOneLine) {
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "az=az", "--map",
            "height=heigth"},
           3, "did you mean 'height'?");
-  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "hight=height"}, 3,
-          "the model 'altitude' has no 'hight', expected one of az, height");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "hight=height"}, 2,
+          "--map: the model 'altitude' has no input or measurement 'hight', expected az or height");
   refused({"tune", "kalman", "--model", "attitude", "--log", file, "--map", "tilt=az"}, 3,
           "has no channel 'rate'");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--fix", "R.sona"}, 2,

@@ -12,6 +12,9 @@
 #include "quadtune/estimation/log_signals.hpp"
 #include "quadtune/estimation/record_of_log.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
 
 namespace quadtune {
@@ -42,7 +45,19 @@ class FlightReader {
  public:
   FlightReader(const std::string& path, const FilterModel& model, const NoiseLogOptions& options)
       : path_(path), model_(model), options_(options) {
-    for (const NamedChannel& one : options.channels) add(one, Kind::measured);
+    std::vector<std::string> known;
+    for (const Signal& input : model.inputs) known.push_back(input.name);
+    for (const FilterSensor& sensor : model.sensors)
+      for (const Signal& output : sensor.outputs) known.push_back(output.name);
+    for (const NamedChannel& one : options.channels) {
+      if (std::find(known.begin(), known.end(), one.first) == known.end())
+        throw OptionError(
+            "map",
+            fmt::format("map: the model '{}' has no input or measurement '{}', expected {}{}",
+                        model.name, internal::printable(one.first), internal::joined(known, " or "),
+                        internal::did_you_mean(one.first, known)));
+      add(one, Kind::measured);
+    }
     for (const NamedChannel& one : options.truths) add(one, Kind::truth);
   }
 
