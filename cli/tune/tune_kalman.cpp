@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "arguments/flight_arguments.hpp"
 #include "arguments/log_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -71,7 +72,7 @@ NoiseLogs read_logs(FilterModel model, const Options& options, const Context& co
   option_of_command(
       kVerb, [&] { logs.truths = named_words(options.truths, "truth", "STATE", "CHANNEL"); });
   logs.note = notes_of(kVerb, context);
-  return read_noise_logs(std::move(model), logs);
+  return option_of_command(kVerb, [&] { return read_noise_logs(std::move(model), logs); });
 }
 
 TunedNoise tuned(NoiseLogs logs, NoiseMethod method, const Options& options,
