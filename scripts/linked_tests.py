@@ -12,6 +12,8 @@ import shlex
 import subprocess
 from pathlib import Path
 
+LIBRARY = re.compile(r"\.(a|so)[.\d]*$")
+
 
 class LinkedTests:
     """The test sources of some programs in a build folder of CMake."""
@@ -23,6 +25,7 @@ class LinkedTests:
         self.recipes = {}  # program -> (compiler and its options, libraries outside the project)
         self.objects = {}  # program -> its own objects and those of the project's libraries
         self.needed = {}  # (program, object of a test) -> objects that it was linked with
+        self.files_of = None  # object -> files that it is compiled from
 
     def ninja(self, *words):
         run = subprocess.run(["ninja", *words], cwd=self.folder, capture_output=True, text=True,
@@ -45,11 +48,11 @@ class LinkedTests:
         """Reads how the build links a program."""
         target = f"bin/{program}"
         words = self.link_command(target)
-        options, outside, skip = [words[0]], [], True
+        options, outside = [words[0]], []
         for before, word in zip(words, words[1:]):
             if word == "-o" or before == "-o" or word.startswith("-Wl,-rpath"):
                 continue
-            if word.startswith("-l") or (word.startswith("/") and re.search(r"\.(a|so)[.\d]*$", word)):
+            if word.startswith("-l") or (word.startswith("/") and LIBRARY.search(word)):
                 outside.append(word)
             elif word.startswith("-"):
                 options.append(word)
@@ -58,28 +61,31 @@ class LinkedTests:
             for name in self.inputs(library):
                 if name.endswith(".o") and name not in objects:
                     objects.append(name)
-                elif re.search(r"\.(a|so)[.\d]*$", name) and not name.startswith("/"):
-                    if name not in libraries:
-                        libraries.append(name)
-                        outside += [word for word in self.link_command(name)
-                                    if word.startswith("/") and re.search(r"\.(a|so)[.\d]*$", word)
-                                    and word not in outside]  # fmt: skip
+                elif LIBRARY.search(name) and not name.startswith("/") and name not in libraries:
+                    libraries.append(name)
+                    outside += [word for word in self.link_command(name)
+                                if word.startswith("/") and LIBRARY.search(word)
+                                and word not in outside]  # fmt: skip
         self.recipes[program] = options, outside
         self.objects[program] = objects
 
     def object_of(self, program, source):
         """The object of a test source, e.g. of tests/lib/model/mixer_test.cpp."""
-        path = Path(source)
-        found = [name for name in self.objects[program]
-                 if name.endswith(f"/{path.name}.o") and self.belongs(name, source)]  # fmt: skip
+        found = [name for name in self.objects[program] if self.belongs(name, source)]
         if len(found) != 1:
             raise RuntimeError(f"{program} has {len(found)} objects of {source}, expected one")
         return found[0]
 
     @staticmethod
     def belongs(object_name, source):
+        """Whether, e.g., tests/lib/CMakeFiles/test_lib.dir/model/mixer_test.cpp.o is of a source."""
         folder, _, rest = object_name.partition("/CMakeFiles/")
         return f"{folder}/{rest.partition('.dir/')[2]}" == f"{source}.o"
+
+    def objects_of_project(self):
+        """Objects of all programs that are not test sources: those that a test may need."""
+        return {name for objects in self.objects.values() for name in objects
+                if not name.endswith("_test.cpp.o")}  # fmt: skip
 
     def build(self, objects):
         """What the compiler says where it fails; nothing where all objects are built.
@@ -115,15 +121,16 @@ class LinkedTests:
                                      check=False)  # fmt: skip
                 if run.returncode:
                     return f"error: {run.stderr.strip()[-2000:]}"
-            used = {name for name in others if re.search(rf"(^|[/(]){re.escape(name)}\)?$",
-                                                         run.stdout, re.MULTILINE)}  # fmt: skip
+            # Traced as ARCHIVE(OBJECT) or as OBJECT, each with a path.
+            traced = re.split(r"[()\s]+", run.stdout)
+            used = {name for name in others if any(word.endswith(name) for word in traced)}
             if used <= needed:
                 return ""
             needed |= used
 
     def dependants(self, source):
         """Objects that are compiled from a file, directly or by including it."""
-        if not hasattr(self, "files_of"):
+        if self.files_of is None:
             _, said = self.ninja("-t", "deps")
             self.files_of = {}
             for block in said.split("\n\n"):

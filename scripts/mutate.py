@@ -279,7 +279,8 @@ class Tests:
                                       for program, name in sources_of(room)]  # fmt: skip
             tests = sorted({test for room in rooms for test in self.of_room[room]})
             copy.linked.needed = self.first.needed
-            self.require(copy.linked.build({test[1] for test in tests}))
+            self.require(copy.linked.build(
+                {own for _, own in tests} | copy.linked.objects_of_project()))  # fmt: skip
             for test in tests:
                 self.require(copy.linked.build_test(test))
         for test in tests:
