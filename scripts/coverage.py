@@ -8,10 +8,9 @@ Exit status 1 if fewer of all lines are run than FLOOR_PERCENT says.
 import json
 import sys
 
-# 82.7 was measured without most tests of the command line, of its pages and of the reports, so the
-# whole suite is above it: set the floor a little below its first complete result (the weekly run
-# prints it), and raise it when the coverage has risen.
-FLOOR_PERCENT = 82.5
+# A little below the measured 97.2, because counts of threads may be lost. Raise it when the coverage
+# has risen.
+FLOOR_PERCENT = 97.0
 
 
 def percent(covered, lines):
