@@ -25,7 +25,7 @@ class LinkedTests:
         self.recipes = {}  # program -> (compiler and its options, libraries outside the project)
         self.objects = {}  # program -> its own objects and those of the project's libraries
         self.needed = {}  # (program, object of a test) -> objects that it was linked with
-        self.files_of = None  # object -> files that it is compiled from
+        self.files_of = {}  # object -> files that it is compiled from
 
     def ninja(self, *words):
         run = subprocess.run(["ninja", *words], cwd=self.folder, capture_output=True, text=True,
@@ -128,15 +128,16 @@ class LinkedTests:
                 return ""
             needed |= used
 
+    def read_dependencies(self):
+        """Reads which files each object is compiled from; call it when the objects are built."""
+        _, said = self.ninja("-t", "deps")
+        for block in said.split("\n\n"):
+            lines = block.strip().split("\n")
+            name = lines[0].partition(":")[0]
+            self.files_of[name] = {line.strip() for line in lines[1:]}
+
     def dependants(self, source):
         """Objects that are compiled from a file, directly or by including it."""
-        if self.files_of is None:
-            _, said = self.ninja("-t", "deps")
-            self.files_of = {}
-            for block in said.split("\n\n"):
-                lines = block.strip().split("\n")
-                name = lines[0].partition(":")[0]
-                self.files_of[name] = {line.strip() for line in lines[1:]}
         path = self.sources / source
         return {name for name, files in self.files_of.items()
                 if any(file.endswith(source) and (self.folder / file).resolve() == path

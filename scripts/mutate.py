@@ -283,6 +283,7 @@ class Tests:
                 {own for _, own in tests} | copy.linked.objects_of_project()))  # fmt: skip
             for test in tests:
                 self.require(copy.linked.build_test(test))
+        self.first.read_dependencies()
         for test in tests:
             start = time.monotonic()
             outcome, why = run_test(copies[0], test, 3600)
