@@ -73,7 +73,8 @@ class LinkedTests:
         """The object of a test source, e.g. of tests/lib/model/mixer_test.cpp."""
         found = [name for name in self.objects[program] if self.belongs(name, source)]
         if len(found) != 1:
-            raise RuntimeError(f"{program} has {len(found)} objects of {source}, expected one")
+            raise RuntimeError(
+                f"{program} has {len(found)} objects of {source}, expected exactly 1 object")
         return found[0]
 
     @staticmethod

@@ -218,7 +218,7 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
         file["version"].Tag() != "!")
       throw InvalidInput(origin,
                          "is no file of persistent parameters in version 1, expected \"type: "
-                         "persistent_param_state\" and \"version: '1'\" with these quotes");
+                         "persistent_param_state\" and \"version: '1'\", with 1 in quotes");
     for (const auto& entry : file["params"]) {
       const std::string name = entry.first.as<std::string>();
       const YAML::Node& state = entry.second;

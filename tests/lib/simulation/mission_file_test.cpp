@@ -494,20 +494,23 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"Radius", kHead + kAir + "[circle]\nheight_m = 1\nradius_m = 0\n",
                 "m.toml:8: radius_m in [circle] is 0, expected more than 0 (right turn) or less "
                 "than 0 (left turn)"},
-        Refusal{"Key", kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'q'\n",
-                "m.toml:10: key in [[keys.press]] 1 is 'q', expected one of d a w s j l i k y h r e"},
-        Refusal{"TwoKeys",
-                kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'dd'\n",
-                "m.toml:10: key in [[keys.press]] 1 is 'dd', expected one of d a w s j l i k y h r e"},
-        Refusal{"NoKey",
-                kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = ''\n",
-                "m.toml:10: key in [[keys.press]] 1 is '', expected one of d a w s j l i k y h r e"},
-        Refusal{"KeysAtOnce",
-                kHead + kAir +
-                    "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'd'\n[[keys.press]]\n"
-                    "at_s = 1\nkey = 'a'\n",
-                "m.toml:12: at_s in [[keys.press]] 2 is 1, expected more than 1, the time of the key "
-                "before"},
+        Refusal{
+            "Key", kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'q'\n",
+            "m.toml:10: key in [[keys.press]] 1 is 'q', expected one of d a w s j l i k y h r e"},
+        Refusal{
+            "TwoKeys",
+            kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'dd'\n",
+            "m.toml:10: key in [[keys.press]] 1 is 'dd', expected one of d a w s j l i k y h r e"},
+        Refusal{
+            "NoKey", kHead + kAir + "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = ''\n",
+            "m.toml:10: key in [[keys.press]] 1 is '', expected one of d a w s j l i k y h r e"},
+        Refusal{
+            "KeysAtOnce",
+            kHead + kAir +
+                "[keys]\nheight_m = 1\n[[keys.press]]\nat_s = 1\nkey = 'd'\n[[keys.press]]\n"
+                "at_s = 1\nkey = 'a'\n",
+            "m.toml:12: at_s in [[keys.press]] 2 is 1, expected more than 1, the time of the key "
+            "before"},
         Refusal{"Motor0", kHead + "[[motors]]\nat_s = 1\nfor_s = 1\nmotors = [0]\nshare = 0.1\n",
                 "m.toml:6: motors in [[motors]] 1 has 0, expected whole numbers from 1 to 16"},
         Refusal{"HalfAMotor",
