@@ -73,7 +73,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   return written;
 }
 
-/// Before the flights, which take time.
+/// Rejects a file in place of the directory, before the flights, which take time.
 void require_directory(const std::string& directory) {
   std::error_code ignored;
   if (std::filesystem::exists(directory, ignored) &&

@@ -195,7 +195,8 @@ void add_options(CommandLine& line, Options& options) {
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle, if the one that the gains name is not built in");
+                  "the vehicle, if the one that the gains name is neither built in nor, for an "
+                  "export, found nearby");
   line.add_option("--name NAME", options.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");

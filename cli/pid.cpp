@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/loop_arguments.hpp"
@@ -14,6 +16,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/pid/ultimate_rules.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
@@ -64,10 +67,14 @@ void require_one_way(const Options& options) {
     refuse("pid", "--crossover",
            "the plant has no requirement, expected --crossover with --phase-margin, --rule, or "
            "--Ms-max with optional --Mt-max and --noise-gain-max");
-  if (int{requirement} + int{rule} + int{bounds} != 1)
+  std::vector<std::string> given;
+  if (requirement) given.emplace_back("--crossover with --phase-margin");
+  if (rule) given.emplace_back("--rule");
+  if (bounds) given.emplace_back("the bounds of --Ms-max");
+  if (given.size() > 1)
     refuse("pid", "--crossover",
-           "more than one of --crossover with --phase-margin, --rule, and --Ms-max with --Mt-max "
-           "and --noise-gain-max was given, expected one of them");
+           "{} are given together, expected only one of them, because each determines the gains",
+           internal::joined(given, " and "));
   if (requirement && !(options.crossover && options.phase_margin))
     refuse("pid", options.crossover ? "--phase-margin" : "--crossover",
            "--crossover and --phase-margin belong together, expected both");

@@ -217,8 +217,8 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
         !file["version"] || file["version"].as<std::string>() != "1" ||
         file["version"].Tag() != "!")
       throw InvalidInput(origin,
-                         "is no file of persistent parameters in version 1, expected \"type: "
-                         "persistent_param_state\" and \"version: '1'\", with 1 in quotes");
+                         "is not a file of persistent parameters, expected the lines \"type: "
+                         "persistent_param_state\" and \"version: '1'\", in which 1 is in quotes");
     for (const auto& entry : file["params"]) {
       const std::string name = entry.first.as<std::string>();
       const YAML::Node& state = entry.second;

@@ -377,7 +377,8 @@ TEST(PidRulesOfAPlant, RejectAPlantWithoutDelay) {
   EXPECT_EQ(result.status, 4);
   EXPECT_THAT(result.err, HasSubstr("a PI requires only one lag"));
   expect_refused(with({}), "the plant has no requirement");
-  expect_refused(with({"--rule", "lambda", "--Ms-max", "1.5"}), "expected one of them");
+  expect_refused(with({"--rule", "lambda", "--Ms-max", "1.5"}),
+                 "--rule and the bounds of --Ms-max are given together");
 }
 
 TEST(UltimateRules, FromKuAndTu) {

@@ -388,7 +388,8 @@ TEST(Firmware, BadFilesAreRefusedWithTheirLine) {
   expect_refused(px4, "1\t1\tTHR_MDL_FAC\t40\t9\n", "THR_MDL_FAC is 40, expected 0 to 1");
   expect_refused(px4, "1\t1\tMC_ROLL_P\t1e300\t9\n", "fits a float");
   expect_refused(betaflight, "set p_roll = 300\n", "p_roll is 300, expected 0 to 250");
-  expect_refused(crazyflie, "params: {}\ntype: persistent_param_state\nversion: 1\n", "in quotes");
+  expect_refused(crazyflie, "params: {}\ntype: persistent_param_state\nversion: 1\n",
+                 "version: '1'\", in which 1 is in quotes");
   expect_refused(px4, "# nothing\n", "has no parameter of the control loops of px4");
   expect_refused(px4, std::string("1\0", 2), "file");
   expect_refused(ardupilot, "ATC_ANG_RLL_P\n", "file:1: has 1 words");

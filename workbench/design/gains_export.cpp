@@ -129,9 +129,9 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
 ExportContent schedule_content(const std::string& path, const std::string& vehicle) {
   const std::string text = internal::read_text_file(path, kScheduleTableLimit);
   GainSchedule schedule = parse_schedule(text, path, table_format(path, path));
-  StoredLaws none;
-  none.vehicle = schedule.vehicle;
-  ExportContent content = export_content(std::move(none), vehicle, path);
+  StoredLaws no_laws;
+  no_laws.vehicle = schedule.vehicle;
+  ExportContent content = export_content(std::move(no_laws), vehicle, path);
   require_vehicle({schedule.vehicle, {}, {}}, content.vehicle, path);
   content.schedule = std::move(schedule);
   content.inputs.push_back({std::filesystem::path(path).filename().string(), text});
