@@ -127,7 +127,8 @@ void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimRe
   const double thrust = z(2 + worst.rotor) * problem.weight();
   if (needed > available) {
     result.status = TrimStatus::not_enough_thrust;
-    // Two digits of what is missing; below a ten-thousandth of the thrust, it is not worth a number.
+    // Two digits of what is missing; below a ten-thousandth of the thrust, it is not worth a
+    // number.
     const double missing = needed - available;
     const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(missing))), 2, 6);
     if (missing > 1e-4 * available)

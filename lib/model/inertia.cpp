@@ -80,8 +80,11 @@ void require_inertia(const Eigen::Matrix3d& J, const std::string& where, double 
     throw InvalidInput(
         where, fmt::format("inertia violates the triangle inequality: about {} it is {:.6g} kg m2, "
                            "which exceeds the sum of the other two, {:.6g}, by {:.3g}; expected at "
-                           "most the sum, which no rigid body exceeds",
-                           axis(2), I(2), I(0) + I(1), excess));
+                           "most the sum, which no rigid body exceeds{}",
+                           axis(2), I(2), I(0) + I(1), excess,
+                           tolerance > 0 ? fmt::format(" (inertia_tolerance permits {:.3g})",
+                                                       tolerance * I(2))
+                                         : ""));
 }
 
 }  // namespace quadtune

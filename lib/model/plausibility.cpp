@@ -84,7 +84,8 @@ class Search {
   bool arm() {
     if (!(arm_ > 0)) return false;
     const PlausibleRange range{std::cbrt(vehicle_.mass / 5000), std::cbrt(vehicle_.mass / 5)};
-    // The range scales with the cube root of the mass: ten times the arm, a thousand times the mass.
+    // The range scales with the cube root of the mass: ten times the arm, a thousand times the
+    // mass.
     const std::vector<Mistake> mistakes = {
         {1000, "position_m may be in mm"},
         {100, "position_m may be in cm"},

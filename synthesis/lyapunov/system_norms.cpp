@@ -105,13 +105,17 @@ PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolera
   return best;
 }
 
+void require_tolerance(double tolerance) {
+  if (!(tolerance > 0 && tolerance <= 0.1))
+    throw InvalidInput("peak_gain",
+                       fmt::format("tolerance is {}, expected a number in (0, 0.1]", tolerance));
+}
+
 }  // namespace
 
 PeakGain peak_gain(const ContinuousLti& given, double tolerance) {
   validate(given, "peak_gain");
-  if (!(tolerance > 0 && tolerance <= 0.1))
-    throw InvalidInput("peak_gain",
-                       fmt::format("tolerance is {}, expected a number in (0, 0.1]", tolerance));
+  require_tolerance(tolerance);
   const ContinuousLti plant = completed(given);
   const FrequencyResponse response(plant);
   const double feed_through = largest_singular_value(plant.D.cast<std::complex<double>>());
@@ -125,6 +129,7 @@ PeakGain peak_gain(const ContinuousLti& given, double tolerance) {
 
 PeakGain peak_gain(const DiscreteLti& given, double tolerance) {
   validate(given, "peak_gain");
+  require_tolerance(tolerance);
   const DiscreteLti plant = completed(given);
   const FrequencyResponse response(plant);
   const VectorXcd poles = eigenvalues(plant.A);

@@ -8,7 +8,8 @@
 
 namespace quadtune::internal {
 
-/// Returns whether all roots of F(s) = den(s) + num(s) e^(-s delay) are in the open left half-plane.
+/// Returns whether all roots of F(s) = den(s) + num(s) e^(-s delay) are in the open left
+/// half-plane.
 ///
 /// Computes the change of arg F(jω) from ω = 0 to infinity (Mikhailov's criterion) in closed form.
 /// Where |L| < 1, F = den (1 + L), and arg(1 + L) stays within ±π/2; where |L| > 1,

@@ -115,8 +115,8 @@ Vehicle brushed_toy(double mass, double arm, double propeller) {
   return new_vehicle(measured).vehicle;
 }
 
-// With a lead of half the lag of brushed motors, no gain on the angle before a PID controller of the
-// rate, whose D acts on the error, has the loops of a small vehicle. A shorter lead has.
+// With a lead of half the lag of brushed motors, no gain on the angle before a PID controller of
+// the rate, whose D acts on the error, has the loops of a small vehicle. A shorter lead has.
 TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
   if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
   const Vehicle vehicle = brushed_toy(0.047, 0.034, 0.0447);
@@ -128,8 +128,8 @@ TEST(FirmwareGains, LeadIsAsShortAsArdupilotNeedsIt) {
   EXPECT_LT(worst_Ms(ardupilot, vehicle, gains), 2.041);
 }
 
-// The motors of this vehicle are so slow that its tilt loops cannot have both the usual integral and
-// the margins in a structure that ArduPilot represents. The design then reduces the integral.
+// The motors of this vehicle are so slow that its tilt loops cannot have both the usual integral
+// and the margins in a structure that ArduPilot represents. The design then reduces the integral.
 TEST(FirmwareGains, IntegralIsAsSlowAsTheStructureNeedsIt) {
   if constexpr (testing::kSanitized) GTEST_SKIP() << "a minute of designs like those above";
   const Vehicle vehicle = brushed_toy(0.035, 0.0299, 0.0393);

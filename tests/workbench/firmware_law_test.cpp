@@ -96,8 +96,8 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
   return late < 0.7 * early;  // a growing one ends at its limits
 }
 
-// The gain margin of the loop in continuous time is the factor by which the vehicle may respond more
-// strongly before the sampled law with its filters oscillates.
+// The gain margin of the loop in continuous time is the factor by which the vehicle may respond
+// more strongly before the sampled law with its filters oscillates.
 TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
   int compared = 0;
   for (const std::string name : {"quad-450", "crazyflie"}) {

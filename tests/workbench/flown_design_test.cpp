@@ -58,8 +58,8 @@ TEST_P(FlownDesign, CascadeKeepsItsBounds) {
   }
 }
 
-/// Torques of 1e-4 N m: the rounding errors of an earlier command must not couple yaw with roll, whose
-/// position then drifts in the group of yaw.
+/// Torques of 1e-4 N m: the rounding errors of an earlier command must not couple yaw with roll,
+/// whose position then drifts in the group of yaw.
 TEST(FlownDesignOfATinyHexacopter, IsFoundAndKeepsItsBounds) {
   MeasuredVehicle measured;
   measured.name = "tiny";

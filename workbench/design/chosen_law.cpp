@@ -42,7 +42,7 @@ ChosenLaw cascade_by_loops(const Vehicle& vehicle, const std::string& words) {
   law.margins = report.margins;
   law.position_bandwidth = position_bandwidth(report);
   CascadeController controller{report.cascade.gains};
-  controller.back_calculation = kDesignedBackCalculation;
+  controller.back_calculation = designed_back_calculation(report.cascade.gains.dt);
   controller.velocity_feed_forward = true;
   controller.conditional_integration = true;
   law.controller = controller;
@@ -74,7 +74,7 @@ ChosenLaw designed_cascade(const FlightOptions& flight, const Vehicle& vehicle) 
     const FlownGains gains = flown_gains(vehicle, options);
     ChosenLaw law;
     CascadeController controller{as_cascade(gains, options.dt)};
-    controller.back_calculation = kDesignedBackCalculation;
+    controller.back_calculation = designed_back_calculation(options.dt);
     controller.attitude_limit = kDesignedAttitudeLimit;
     controller.velocity_feed_forward = true;
     controller.conditional_integration = true;

@@ -103,8 +103,8 @@ void choose_lead(const Vehicle& vehicle, const std::vector<Firmware>& firmwares,
   options.rate_filter = firmwares.empty() ? *options.rate_lead / kLeadPerFilter : filter;
 }
 
-/// The factor by which the lead of roll and pitch must be multiplied so that ArduPilot, whose D acts
-/// on the error of the rate, can represent both loops; 1 if it can represent them already.
+/// The factor by which the lead of roll and pitch must be multiplied so that ArduPilot, whose D
+/// acts on the error of the rate, can represent both loops; 1 if it can represent them already.
 double lead_factor(const CascadeGains& gains) {
   constexpr double kReserve = 0.9;
   double factor = 1;

@@ -21,6 +21,7 @@ namespace quadtune {
 
 /// Registers a convention so that convention() finds it by name, until the program ends.
 /// Thread-safe. Has no effect if the same convention is already registered.
+/// @return  the registered convention, valid until the program ends
 /// @throws InvalidInput  if a different convention has the same name
 const Convention& add_convention(const Convention& convention, const std::string& where);
 
@@ -34,7 +35,7 @@ const Convention& add_convention(const Convention& convention, const std::string
 [[nodiscard]] const Convention& named_convention(const std::string& word, const std::string& where,
                                                  const std::filesystem::path& folder = {});
 
-/// Whether a convention is built in, that is one of conventions().
+/// Whether a convention has the name of a built-in one, that is one of conventions().
 [[nodiscard]] bool is_built_in(const Convention& convention);
 
 }  // namespace quadtune

@@ -112,8 +112,8 @@ struct CascadeDesign {
   double takeoff_time = 0;             ///< constant thrust (1 + takeoff_gain) m g at the start [s]
   bool velocity_feed_forward = false;  ///< CascadedPidSettings::velocity_feed_forward
   bool conditional_integration = false;  ///< CascadedPidSettings::conditional_integration
-  /// Lead of the rate in the roll and pitch loops [s] for gains that are designed on the flown plant;
-  /// none: chosen by the design.
+  /// Lead of the rate in the roll and pitch loops [s] for gains that are designed on the flown
+  /// plant; none: chosen by the design.
   std::optional<double> rate_lead = {};
 };
 

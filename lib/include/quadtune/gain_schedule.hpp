@@ -134,8 +134,8 @@ struct GainSchedule {
   [[nodiscard]] ScheduledGain at(const Eigen::Ref<const Eigen::VectorXd>& values) const;
 };
 
-/// A schedule with this grid and these signals, whose matrices have room for all points and are
-/// NaN, to be filled by a solver or a reader. The statuses are not set.
+/// A schedule with this grid and these signals, to be filled by a solver or a reader. Its matrices
+/// have room for all points and are NaN; every status is PointStatus::no_trim.
 /// @throws InvalidInput  as checked_grid_size().
 [[nodiscard]] GainSchedule empty_schedule(std::vector<ScheduleAxis> axes,
                                           std::vector<Signal> states, std::vector<Signal> inputs,

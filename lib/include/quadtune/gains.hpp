@@ -24,9 +24,9 @@ inline constexpr int kMaxPastCommands = 40;
 /// out: m[k+1] = m[k] + (1 - e^(-dt/lag)) (u[k - past] - m[k]) for each input. It adds
 /// -K_lag (m[k] - u0) - K_past [u[k-1] - u0; u[k-2] - u0; …] to its command.
 struct CommandMemory {
-  Eigen::VectorXd lag;    ///< (nu) time constants [s], > 0
+  Eigen::VectorXd lag;    ///< (nu) time constants [s], > 0, at most kMaxActuatorLag
   Eigen::MatrixXd K_lag;  ///< (nu × nu)
-  /// Delay from a command to its actuator [control periods], ≥ 0.
+  /// Delay from a command to its actuator [control periods], 0 to kMaxPastCommands.
   int past = 0;
   Eigen::MatrixXd K_past;  ///< (nu × past · nu), newest command first
 };
@@ -77,8 +77,9 @@ struct Gains {
   FeedbackLimits limits = {};                ///< of the position error and of the integrals
 };
 
-/// Validates shapes and that all entries are finite.
-/// @throws InvalidInput  with the matrix, its shape and the expected shape.
+/// Validates shapes, that all entries are finite, that the sample period and the limits are in
+/// range, and that gains with a memory have a sample period.
+/// @throws InvalidInput  with the field, its value or shape, and what was expected
 void validate(const Gains& gains, const std::string& where);
 
 /// The signals of Gains::integrals for the listed states: their names, their units times s. Names
@@ -89,8 +90,9 @@ void validate(const Gains& gains, const std::string& where);
 /// The loop transfer L of plant and gains, integrals included, cut at the plant's inputs: L under
 /// negative feedback is the closed loop.
 ///
-/// @param plant  sampled, with the states of the gains in any order, and the inputs of the gains
-/// @param gains  with the sample period of the plant
+/// @param plant  sampled, with the states of the gains in any order, and the inputs of the gains in
+///               their order; its outputs are not used
+/// @param gains  with the sample period of the plant, or dt = 0; axes and limits are not used
 /// @return       nx + ni states: the states of the gains, their integrals, then the states of the
 ///               memory if the gains have one; nu inputs and outputs
 /// @throws InvalidInput  if the plant's states, inputs or period are not those of the gains

@@ -40,8 +40,9 @@ struct DiscreteLti {
   std::vector<Signal> outputs;  ///< ny names, or empty
 };
 
-/// Validates shapes and that all entries are finite.
-/// @throws InvalidInput  with the matrix, its shape and the expected shape.
+/// Validates shapes, that there are a state and an input, that all entries are finite, and that
+/// each list of names is empty or complete.
+/// @throws InvalidInput  with the matrix or list, its size and the expected size
 void validate(const ContinuousLti& plant, const std::string& where);
 
 /// The same for a discrete model; dt must be positive and finite.

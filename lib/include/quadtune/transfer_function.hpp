@@ -34,8 +34,8 @@ struct DiscreteTransferFunction {
 };
 
 /// Checks that the coefficients exist and are finite, that the leading coefficient of the
-/// denominator is not 0, and that the transfer function is proper. Leading zeros of the numerator
-/// are allowed.
+/// denominator is not 0, that the transfer function is proper, and that the delay is finite and
+/// not negative. Leading zeros of the numerator are allowed.
 /// @throws InvalidInput  "where: num has degree 3, den 2, expected no more zeros than poles because
 ///                       …"
 void validate(const ContinuousTransferFunction& plant, const std::string& where);
@@ -68,7 +68,8 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where);
 /// delay. nx is the degree of den.
 /// @throws InvalidInput  if den is a constant, because a pure gain has no states.
 [[nodiscard]] ContinuousLti realize(const ContinuousTransferFunction& plant);
-/// The same for a discrete transfer function; its delay adds `delay` states at the input.
+/// The same for a discrete transfer function, but the states are not scaled, and the delay adds
+/// `delay` states at the input.
 [[nodiscard]] DiscreteLti realize(const DiscreteTransferFunction& plant);
 
 /// Finite transmission zeros of one channel of a plant: the generalized eigenvalues of its system

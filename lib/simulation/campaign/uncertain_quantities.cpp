@@ -31,10 +31,11 @@ class Table {
 
   std::vector<QuantityEffect> all;
   bool of_sensors = false;  ///< whether the quantities being added belong to sensors
+  bool of_air = false;      ///< whether they belong to the wind
 
  private:
   void add(UncertainQuantity quantity, std::function<bool(Parts&, double)> change) {
-    all.push_back({std::move(quantity), std::move(change), of_sensors});
+    all.push_back({std::move(quantity), std::move(change), of_sensors, of_air});
   }
 };
 
@@ -208,7 +209,9 @@ std::vector<QuantityEffect> make_table() {
   Table table;
   add_body(table);
   add_motors(table);
+  table.of_air = true;
   add_air(table);
+  table.of_air = false;
   table.of_sensors = true;
   for (const SensorWords& sensor : {SensorWords{"accelerometer", "m/s^2", 3, 100, "accelerometer"},
                                     SensorWords{"gyroscope", "rad/s", 3, 100, "gyroscope"},

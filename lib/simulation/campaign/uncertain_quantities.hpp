@@ -20,6 +20,7 @@ struct QuantityEffect {
   /// Applies a drawn value; false if the vehicle does not have the affected component.
   std::function<bool(UncertainParts&, double)> change;
   bool of_sensor = false;
+  bool of_air = false;
 };
 
 [[nodiscard]] const std::vector<QuantityEffect>& quantity_effects();

@@ -225,10 +225,15 @@ void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorX
       throw InvalidInput(name,
                          "the flight has ideal sensors, expected sensors = \"real\" for a "
                          "quantity of a sensor");
-    if (!effect.change(parts, drawn(static_cast<Eigen::Index>(i))))
-      throw InvalidInput(name, fmt::format("the vehicle '{}' has no part that this quantity "
-                                           "changes, expected a quantity of a part that it has",
-                                           setup.vehicle.name));
+    if (effect.change(parts, drawn(static_cast<Eigen::Index>(i)))) continue;
+    if (effect.of_air)
+      throw InvalidInput(name,
+                         fmt::format("the vehicle '{}' has no drag, so that wind has no effect "
+                                     "on it; expected drag of the body or of the rotors",
+                                     setup.vehicle.name));
+    throw InvalidInput(name, fmt::format("the vehicle '{}' has no part that this quantity ({}) "
+                                         "changes; expected a quantity of a part that it has",
+                                         setup.vehicle.name, effect.quantity.meaning));
   }
 }
 

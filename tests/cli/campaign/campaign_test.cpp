@@ -430,11 +430,11 @@ TEST_F(Campaign, RefusesBadFiles) {
               HasSubstr("gains 'gains/' do not give the design a name"));
   EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"", "quantity = \"gps_noise\"")),
               HasSubstr("published in hover: gps_noise: the vehicle 'mambo' has no part that this "
-                        "quantity changes"));
+                        "quantity (noise of the GPS receiver) changes"));
   EXPECT_THAT(refusal(with("failures = 1", "failures = -1")), HasSubstr("failures"));
   EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"\nlog_normal",
                            "quantity = \"wind_north\"\nnormal")),
-              HasSubstr("wind_north: the vehicle 'mambo' has no part that this quantity changes"));
+              HasSubstr("wind_north: the vehicle 'mambo' has no drag"));
 }
 
 // Gains whose loop is unstable are rejected before they are flown a thousand times.

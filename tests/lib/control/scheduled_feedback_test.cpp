@@ -81,7 +81,8 @@ TEST(ScheduledFeedback, GainsFollowTheMotionInTheWorld) {
   }
 }
 
-// Speed along the heading, climb upwards, yaw rate clockwise from above: each changes its own entry.
+// Speed along the heading, climb upwards, yaw rate clockwise from above: each changes its own
+// entry.
 TEST(ScheduledFeedback, AxesHaveTheirDirections) {
   Estimate<double> ahead;
   ahead.x(kVelocity) = 5;

@@ -359,8 +359,8 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
   EXPECT_GT((filtered_sum - raw_sum).norm(), 1e-3);
 }
 
-// Its position is some metres off; images at 5 Hz, processed in 0.2 s, measure it. A scalar filter of what
-// random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
+// Its position is some metres off; images at 5 Hz, processed in 0.2 s, measure it. A scalar filter
+// of what random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
 // period's.
 TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   const MamboSettings settings = exact_settings();

@@ -248,14 +248,14 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
   };
   EXPECT_THAT(applied("gps_noise"),
               ThrowsMessage<InvalidInput>(
-                  StrEq("gps_noise: the vehicle 'mambo' has no part that this quantity changes, "
-                        "expected a quantity of a part that it has")));
+                  StrEq("gps_noise: the vehicle 'mambo' has no part that this quantity (noise of "
+                        "the GPS receiver) changes; expected a quantity of a part that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
-  for (const char* name :
-       {"drag", "wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
-    EXPECT_THAT(applied(name),
-                ThrowsMessage<InvalidInput>(HasSubstr("has no part that this quantity changes")))
+  EXPECT_THAT(applied("drag"), ThrowsMessage<InvalidInput>(HasSubstr(
+                                   "has no part that this quantity (drag of body and rotors)")));
+  for (const char* name : {"wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
+    EXPECT_THAT(applied(name), ThrowsMessage<InvalidInput>(HasSubstr("'mambo' has no drag")))
         << name;
   setup.real_sensors = false;
   EXPECT_THAT(applied("gyroscope_noise"),

@@ -143,6 +143,13 @@ TEST(PeakGain, Refusals) {
   EXPECT_THAT(
       [] { (void)peak_gain(resonance(1), 0); },
       ThrowsMessage<InvalidInput>(HasSubstr("tolerance is 0, expected a number in (0, 0.1]")));
+  DiscreteLti sampled;
+  sampled.A = sampled.B = sampled.C = MatrixXd::Constant(1, 1, 0.5);
+  sampled.dt = 0.1;
+  for (const double tolerance : {std::nan(""), 0.0, -1e-3, 0.2})
+    EXPECT_THAT([&] { (void)peak_gain(sampled, tolerance); },
+                ThrowsMessage<InvalidInput>(HasSubstr("expected a number in (0, 0.1]")))
+        << tolerance;
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ TEST(GreatestIntegralGain, ReportsInfeasibleBounds) {
   EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
 }
 
-// A controller that can make the loop K/s has no largest Ki: one with as many zeros as the plant has
-// poles, if all zeros of the plant are stable.
+// A controller that can make the loop K/s has no largest Ki: one with as many zeros as the plant
+// has poles, if all zeros of the plant are stable.
 TEST(GreatestIntegralGain, IsUnboundedWhereTheLoopCanBeAnIntegrator) {
   const auto status = [](const Eigen::VectorXd& num, const Eigen::VectorXd& den, PidType type,
                          double Tf = 0, PidBounds bounds = {.Ms_max = 1.4}) {

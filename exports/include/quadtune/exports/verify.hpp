@@ -91,8 +91,9 @@ struct VerifyFacts {
 /// the numbers of poles differ.
 [[nodiscard]] double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
-/// Largest distance at which poles count as equal. For the same files and vehicle they agree between
-/// machines to about 1e-12; a change of one gain by 0.1 % moves them by more than this constant.
+/// Largest distance at which poles count as equal. For the same files and vehicle they agree
+/// between machines to about 1e-12; a change of one gain by 0.1 % moves them by more than this
+/// constant.
 inline constexpr double kPoleTolerance = 1e-7;
 
 /// Poles of the law with the plant. In each sample, an integral advances by dt times the error.

@@ -24,15 +24,16 @@ struct Allocation {
   Eigen::Matrix<T, 4, kMaxRotors> M = Eigen::Matrix<T, 4, kMaxRotors>::Zero();
   Eigen::Matrix<T, 4, 1> wrench0 = Eigen::Matrix<T, 4, 1>::Zero();  ///< at hover
   RotorSpeeds<T> thrust0;                                           ///< at hover [N]
-  std::array<T, kMaxRotors> a2{};                                   ///< thrust curves
-  std::array<T, kMaxRotors> a1{};                                   ///< likewise, T = a2 w² + a1 w
+  std::array<T, kMaxRotors> a2{};  ///< T = a2 w² + a1 w [N s²/rad²]
+  std::array<T, kMaxRotors> a1{};  ///< likewise [N s/rad]
 };
 
 /// The allocation of a vehicle, with the hover thrusts of least norm.
-/// @throws InvalidInput  if the rotors cannot produce every wrench, or the vehicle cannot hover.
+/// @throws InvalidInput  if there are more than kMaxRotors rotors, if they cannot produce every
+///                       wrench, or if hover requires a negative thrust
 [[nodiscard]] Allocation<double> allocation(const Vehicle& vehicle);
 
-/// Speed at which a rotor produces `thrust`; negative thrusts count as 0. [rad/s]
+/// Speed [rad/s] at which a rotor with a2 > 0 produces `thrust` [N]; negative thrusts count as 0.
 template <class T>
 [[nodiscard]] T speed_for_thrust(const T& thrust, const T& a2, const T& a1) {
   using std::sqrt;

@@ -65,9 +65,10 @@ struct CascadedPidState {
 
 /// One sample; returns the commanded wrench [T τx τy τz], T ≥ 0 along body -z.
 ///
-/// In FlightPhase::take_off the thrust is constant, the position and height loops are held at 0,
-/// and attitude and heading are controlled. If the reference does not track position, roll and
-/// pitch follow it directly and the x and y loops are held at 0.
+/// In FlightPhase::take_off the thrust is constant, the position and height loops do not run, and
+/// attitude and heading are controlled. If the reference does not track position, roll and pitch
+/// follow it directly, and the x and y loops do not run. The state of a loop that does not run is
+/// kept: its integral continues from the value that it had.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 4, 1> step(const CascadedPidSettings<T>& settings,
                                           CascadedPidState<T>& state, const Estimate<T>& estimate,

@@ -76,7 +76,8 @@ template <class T>
 }
 
 /// The wrench nearest to `asked` under AllocationRule::prioritized. Returns `asked` unchanged, bit
-/// by bit, if the rotors can produce it. An entry that is not finite counts as infeasible.
+/// by bit, if the rotors can produce it and its thrust is not below the floor. Otherwise, a torque
+/// that is not finite is replaced by 0, and a thrust that is not finite by that of hover; then:
 ///
 /// 1. Roll and pitch torque are multiplied by the largest factor, at most 1, for which some
 ///    collective thrust keeps all rotors within their limits.

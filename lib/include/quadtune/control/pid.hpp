@@ -77,7 +77,8 @@ template <class Scalar>
 struct PidOutput {
   Scalar value = 0;      ///< within output_min … output_max
   Scalar unlimited = 0;  ///< the output without these limits
-  /// False if an input was not finite: value is then the last output, and the state is unchanged.
+  /// False if the output, the error or v was not finite: value is then the last output, and the
+  /// state is unchanged.
   MaskOf<Scalar> finite = true;
 };
 
@@ -213,8 +214,8 @@ void validate(const PidSettings<double>& settings, const std::string& where);
 void validate(const PidSettings<float>& settings, const std::string& where);
 
 /// A loop of a cascade as a PID element: PidDerivative::measured_rate, integral by forward
-/// Euler, derivative of the rate by backward Euler, no limits. The sign of Kd changes, since PidLoop
-/// adds Kd · rate and the element subtracts it.
+/// Euler, derivative of the rate by backward Euler, no limits. The sign of Kd changes, since
+/// PidLoop adds Kd · rate and the element subtracts it.
 /// @throws InvalidInput  as validate(), with the name of the loop.
 [[nodiscard]] PidSettings<double> pid_settings(const PidLoop& loop, double dt);
 

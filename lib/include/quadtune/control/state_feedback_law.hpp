@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// State feedback with guarded integrals as it runs on board: u = sp_u + K (sp - x) + K_int x_int.
+/// State feedback with guarded integrals as it runs on board: u = u0 + K (sp - x) + K_int x_int,
+/// and the terms of CommandMemory if the law has one.
 #pragma once
 
 #include <Eigen/Core>
@@ -89,8 +90,9 @@ struct FeedbackTransformation {
 };
 
 /// The transformation of these gains.
-/// @throws InvalidInput  if a state is not one of the 12 of the convention or the inputs are not
-///                       the vehicle's
+/// @throws InvalidInput  as validate(Gains) and convention(); if a state is not one of the 12 of
+///                       the convention, if K does not have one row for each input of the vehicle,
+///                       or if there are more than kMaxIntegrals integrals or kMaxRotors rotors
 [[nodiscard]] FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains);
 
 /// Converts gains of any convention, sign law and input kind to a law of a vehicle.
@@ -98,13 +100,16 @@ struct FeedbackTransformation {
 /// @param gains   of any convention and sign law
 /// @param dt      sample period [s]: that of the gains, or any for continuous gains
 /// @param guards  by state name of the convention; an integrated state without guard is not limited
-/// @throws InvalidInput  if the inputs are not those of the vehicle or the states not the 12
+/// @throws InvalidInput  as feedback_words(); if the gains have a sample period other than dt; or
+///                       if dt or a guard is out of range
 [[nodiscard]] StateFeedbackSettings<double> state_feedback_settings(
     const Vehicle& vehicle, const Gains& gains, double dt,
     const std::vector<IntegralGuard>& guards);
 
-/// The set point of the 12 states for a reference; states that the reference does not define are
-/// those of x0.
+/// The set point of the 12 states for a reference. States that the reference does not define are
+/// those of x0, and Reference::velocity is added to the velocities. If the reference does not track
+/// position, the horizontal position and the body velocities u and v are those of the estimate, so
+/// that their errors are 0.
 template <class T>
 [[nodiscard]] StateVector<T> set_point(const StateFeedbackSettings<T>& settings,
                                        const Estimate<T>& estimate, const Reference<T>& reference) {

@@ -27,7 +27,10 @@ struct Wind {
 
 /// Parses "calm", "light", "moderate", "severe" or a list like "north=3, gust_east=2, gust_at=5".
 /// A strength sets Wind::turbulence and, to the same speed, the north component of Wind::mean.
-/// @throws InvalidInput  with the rejected text
+/// Keys: north, east, down, gust_north, gust_east, gust_down [m/s], towards which the air moves;
+/// turbulence [m/s], gust_at, gust_length [s], turbulence_height [m].
+/// @throws InvalidInput  for another word, a key that is given twice, or a value out of range: mean
+///                       and gust at most 100 m/s, turbulence 0 to 100 m/s, height 3 to 300 m
 [[nodiscard]] Wind parse_wind(const std::string& words, const std::string& where);
 
 /// Static: uniform. Dynamic: air density, gravity and magnetic field vary with height.

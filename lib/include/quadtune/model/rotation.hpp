@@ -77,7 +77,7 @@ template <class T>
           cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy};
 }
 
-/// (roll, pitch, yaw) of a rotation matrix; roll and yaw in (-π, π], pitch in [-π/2, π/2]. If the
+/// (roll, pitch, yaw) of a rotation matrix; roll and yaw in [-π, π], pitch in [-π/2, π/2]. If the
 /// nose points straight up or down, only roll ∓ yaw is defined and roll is returned as 0.
 template <class T>
 [[nodiscard]] Vector3<T> euler_of_rotation(const Matrix3<T>& R) {

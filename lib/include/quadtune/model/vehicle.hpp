@@ -64,10 +64,10 @@ struct MotorCommand {
   CommandLaw law = CommandLaw::speed;  ///< relation between the command and the rotor speed
   double gain = 1;                     ///< [rad/s per unit] or [rad²/s² per unit]
   std::string unit = "rad/s";          ///< of the command: "rad/s" or "count"
-  double min = 0;                      ///< minimum command at which the rotor turns steadily
-  double max = 0;                      ///< maximum command
-  double quantum = 0;                  ///< resolution of the command; 0: continuous
-  double delay = 0;                    ///< from the law's output to the motors' command [s], ≥ 0
+  double min = 0;      ///< minimum command at which the rotor turns steadily [unit], ≥ 0
+  double max = 0;      ///< maximum command [unit], > min
+  double quantum = 0;  ///< resolution of the command [unit], ≥ 0; 0: continuous
+  double delay = 0;    ///< from the law's output to the motors' command [s], ≥ 0
   /// Maximum additional delay, drawn uniformly in each period [s], ≥ 0.
   double delay_jitter = 0;
   /// Sign that the flight code gives to each motor's command, ±1; empty: all +1.
@@ -90,13 +90,13 @@ struct Vehicle {
       Eigen::Matrix3d::Zero();  ///< about the centre of mass, body axes [kg m²]
   /// Relative amount by which measured moments may violate the triangle inequality.
   double inertia_tolerance = 0;
-  std::vector<Rotor> rotors;   ///< at least one
+  std::vector<Rotor> rotors;   ///< 1 to kMaxRotors
   MotorCommand motor;          ///< command range and law of the motors
   Drag drag;                   ///< of the body
   double gravity = 9.81;       ///< [m/s²]
   double air_density = 1.225;  ///< for which the rotor curves hold [kg/m³]
-  double takeoff_gain = 0;     ///< thrust at take-off is (1 + gain) m g
-  /// Fraction of the maximum thrust that the altitude loop may use.
+  double takeoff_gain = 0;     ///< thrust at take-off is (1 + gain) m g, ≥ 0
+  /// Fraction of the maximum thrust that the altitude loop may use, > 0, ≤ 1.
   double altitude_thrust_fraction = 1;
   std::optional<Battery> battery;       ///< empty: an ideal supply of constant voltage
   Sensors sensors = typical_sensors();  ///< noise, rates and delays
@@ -155,11 +155,12 @@ inline constexpr double kMaxCommandDelay = 10;  ///< maximum delay of a command 
 /// @throws InvalidInput  if thrust is negative or not finite.
 [[nodiscard]] double rotor_speed_for_thrust(const Rotor& rotor, double thrust);
 
-/// Converts a command to a speed [rad/s], and back; limits are not applied.
-/// @throws InvalidInput  if the argument is negative or not finite.
+/// The rotor speed [rad/s] of a command [MotorCommand::unit]; the limits are not applied.
+/// @throws InvalidInput  if the command is negative or not finite
 [[nodiscard]] double speed_of_command(const MotorCommand& motor, double command);
 
-/// The inverse of speed_of_command().
+/// The command of a rotor speed [rad/s], the inverse of speed_of_command().
+/// @throws InvalidInput  if the speed is negative or not finite
 [[nodiscard]] double command_of_speed(const MotorCommand& motor, double speed);
 
 /// Validates a vehicle: positive mass, a physically possible inertia, at least one rotor, curves
@@ -180,7 +181,8 @@ inline constexpr std::size_t kVehicleFileLimit = std::size_t{1} << 20;
 
 /// Parses a vehicle from the text of a file.
 /// @param text    content of the file
-/// @param origin  the file's name in messages.
+/// @param origin  the file's name in messages
+/// @throws InvalidInput  "origin:line: key …"
 [[nodiscard]] Vehicle parse_vehicle(const std::string& text, const std::string& origin);
 
 /// Names of the built-in vehicles, in the order of the documentation.

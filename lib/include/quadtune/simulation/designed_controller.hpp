@@ -8,8 +8,8 @@
 namespace quadtune {
 
 /// Controller for a cascade from a design file.
-/// @param design  limits, integration method and period
-/// @param gains   computed if the file requests it
+/// @param design  source of the limits, the anti-windup and the integration method
+/// @param gains   loops and control period: those of the file, or computed if it requests a design
 [[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
                                                    const CascadeGains& gains);
 

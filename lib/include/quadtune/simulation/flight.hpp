@@ -138,9 +138,11 @@ struct FlightSetup {
 /// Duration of a setup's flight [s].
 [[nodiscard]] double duration_of(const FlightSetup& setup);
 
-/// Settings of the general filter for a setup: sensors from the vehicle model, control period from
-/// the law, and initial deviations for a start on the ground or in the air.
-/// @throws InvalidInput  if the sensors cannot feed the filter; the message names what is missing
+/// Settings of the general filter for a setup: FlightSetup::general_filter if it is set and the
+/// sensors are real, else computed from the sensors of the vehicle. The control period is that of
+/// the law, and the initial deviations are those of a start on the ground or in the air.
+/// @throws InvalidInput  if the sensors cannot feed the filter, with what is missing, or if the
+///                       vehicle has optical flow and the flow model is FlowModel::simplified
 [[nodiscard]] GeneralFilterSettings general_filter_settings(const FlightSetup& setup);
 
 /// Outcome of a flight.

@@ -62,7 +62,8 @@ struct MetricValues {
   double operator[](Metric metric) const { return value[static_cast<std::size_t>(metric)]; }
 };
 
-/// Maximum accepted value of a metric.
+/// Maximum accepted value of a metric. A mission has no limit of Metric::duration, because judge()
+/// always checks that the full duration was flown.
 struct Limit {
   Metric metric = Metric::duration;  ///< which metric
   double max = 0;                    ///< in the metric's unit, ≥ 0

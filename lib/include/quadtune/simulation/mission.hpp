@@ -28,8 +28,9 @@ enum class TakeOff {
 struct MissionStart {
   /// true: at trim, with the law active at once; false: at rest on the ground
   bool in_air = false;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world north-east-down [m]
-  double yaw = 0;                                      ///< [rad]
+  /// World north-east-down [m]; z < 0 if the flight starts in the air, else 0.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double yaw = 0;  ///< [rad]
   /// On the ground: time in which the motors run up to their minimum speed [s], ≥ 0
   double start_up = 0.5;
   TakeOff take_off_by = TakeOff::climb;  ///< take-off after the run-up
@@ -159,11 +160,12 @@ struct Mission {
 /// Height of the mission's first reference above the ground [m].
 [[nodiscard]] double first_height(const Mission& mission);
 
-/// End of the take-off [s]; 0 for a flight that starts in the air or is carried.
+/// End of the take-off [s]; 0 for a flight that starts in the air, is carried or is a motor test.
 [[nodiscard]] double end_of_take_off(const Mission& mission);
 
-/// Replaces the take-off by that of the Mambo's model project: one second of constant thrust, open
-/// loop.
+/// Replaces the take-off by that of the Mambo's model project: one second of constant thrust, while
+/// the attitude is controlled. Removes a limit of Metric::height_peak, because the thrust
+/// determines the height.
 [[nodiscard]] Mission with_thrust_take_off(Mission mission);
 
 /// Checks all requirements on a mission: times in order and within the duration, positions not
@@ -171,7 +173,8 @@ struct Mission {
 /// @throws InvalidInput  naming the field, its value and the expected one
 void validate(const Mission& mission, const std::string& where);
 
-/// Checks that the vehicle has the motors that the mission names.
+/// Checks that the vehicle has the motors that a MotorTest runs. Motors that Mission::events names
+/// are checked by require_possible().
 /// @param mission  accepted by validate()
 /// @param rotors   number of rotors of the vehicle
 /// @param where    beginning of messages

@@ -34,7 +34,10 @@ struct AugmentedLqr {
 /// K_x = K A^delay and K_past,j = K A^(j-1) B with the gain K of the plant without delay.
 /// @param problem  discrete, without a delay
 /// @param delay    [samples], 0 ≤ delay ≤ 2000
-/// @throws InvalidInput  as validate(), or if the delay is out of range
+/// @return         if N is not empty, the cost of a command is counted when the command acts: its R
+///                 is part of Q, and R of the result is 0
+/// @throws InvalidInput  as validate(); if the delay is out of range; with a delay also for wrong
+///                       shapes of Q, R and N
 [[nodiscard]] AugmentedLqr<DiscreteLti> with_input_delay(const AugmentedLqr<DiscreteLti>& problem,
                                                          int delay);
 

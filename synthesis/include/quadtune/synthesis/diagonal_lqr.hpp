@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The LQR solution as a function of its weights, and the derivatives of cost matrix and gain.
-/// Derivation: docs/theory.md, "Derivative of the gain by the weights".
+/// Derivation: docs/theory.md, "Derivative of the gain with respect to the weights".
 #pragma once
 
 #include <Eigen/Core>
@@ -123,12 +123,12 @@ class DiagonalLqr {
   Eigen::Index inputs_;
 };
 
-/// Returns the diagonals of a design's weights in the order of DiagonalLqr. with_diagonals() is the
-/// inverse: it returns `design` with diagonal weight matrices that hold w.
-/// @throws InvalidInput  if a weight matrix is not diagonal, or if w has the wrong size.
+/// Returns the diagonals (p) of a design's weights, in the order of DiagonalLqr.
+/// @throws InvalidInput  if a weight matrix is not square or not diagonal
 [[nodiscard]] Eigen::VectorXd diagonals_of(const LqrDesign& design);
 
-/// The design with these diagonals (p), in the order of diagonals_of().
+/// The inverse of diagonals_of(): the design with diagonal weight matrices that hold w (p).
+/// @throws InvalidInput  if the size of w is not the number of weights of the design
 [[nodiscard]] LqrDesign with_diagonals(LqrDesign design,
                                        const Eigen::Ref<const Eigen::VectorXd>& w);
 

@@ -65,14 +65,14 @@ struct AxisWeights {
 /// then has the gains Kp and Ki = rate Kp on its error and Kd on the rate, so the law remains
 /// linear in F.
 /// @param plant  one input; outputs as axis_part() of north or east, integrals may follow
-/// @param rate   [1/s], > 0
+/// @param rate   [1/s], 0 < rate < 1/dt of the plant
 /// @return       the plant with two more states: the integral, then the filter
 /// @throws InvalidInput  if the plant has the wrong inputs or outputs, or rate is out of range
 [[nodiscard]] PeriodicLti with_tilt_integral(const PeriodicLti& plant, double rate);
 
 /// Extends a plant for a law with Kd on rate + gain (rate - f), where the low pass f[k+1] = f[k] +
-/// share (rate[k] - f[k]): the output `rate` of the plant becomes this sum, so the law remains linear
-/// in F.
+/// share (rate[k] - f[k]): the output `rate` of the plant becomes this sum, so the law remains
+/// linear in F.
 /// @param plant  outputs as axis_part()
 /// @param rate   index of the output
 /// @param gain   as PidSettings::rate_lead

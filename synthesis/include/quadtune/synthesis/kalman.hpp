@@ -60,6 +60,11 @@ struct KalmanResult {
 
 /// Computes the discrete filter of a continuous model that is measured every dt seconds. A and G Q
 /// Gᵀ are sampled exactly, and R [unit² s] becomes R / dt.
+/// @param model    nx states
+/// @param noise    spectral densities; N empty or zero
+/// @param dt       sample period [s], > 0
+/// @param options  as for kalman()
+/// @throws InvalidInput  as kalman(), if N is not zero, or if dt is out of range
 /// Source: Van Loan 1978.
 [[nodiscard]] KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise,
                                           double dt, const RiccatiOptions& options = {});

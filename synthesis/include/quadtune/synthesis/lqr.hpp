@@ -48,6 +48,7 @@ struct SampledLqr {
 /// @param plant    nx states, nu inputs
 /// @param weights  of the integral of the cost
 /// @param dt       sample period [s], > 0
+/// @throws InvalidInput  as validate() and sampled_cost()
 /// Source: Van Loan 1978.
 [[nodiscard]] SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt);
 
@@ -64,6 +65,7 @@ struct SampledLqr {
 ///
 /// @param weights     of the plant without integrals
 /// @param Q_integral  (ni × ni) symmetric, ≥ 0
+/// @throws InvalidInput  if Q_integral is not square; lqr() validates the rest
 [[nodiscard]] LqrWeights with_integral_weights(const LqrWeights& weights,
                                                const Eigen::Ref<const Eigen::MatrixXd>& Q_integral);
 

@@ -66,15 +66,18 @@ struct PeakGain {
 
 /// Computes √trace(∫ g gᵀ dt) of the impulse response g. Its square is the variance of the output
 /// for white noise of unit density. Infinite if the plant is unstable or has feed-through.
+/// @throws InvalidInput  as validate(), or if a stable pole is too close to the stability boundary
 [[nodiscard]] double h2_norm(const ContinuousLti& plant);
 /// Computes √trace(Σ g gᵀ), the standard deviation of the output for white noise of unit variance.
 /// Infinite if the plant is unstable.
+/// @throws InvalidInput  as validate(), or if a stable pole is too close to the stability boundary
 [[nodiscard]] double h2_norm(const DiscreteLti& plant);
 
 /// Solves A Wc + Wc Aᵀ + B Bᵀ = 0 (discrete: A Wc Aᵀ - Wc + B Bᵀ = 0) for Wc (nx × nx). xᵀ Wc⁻¹ x
 /// is the minimum input energy that drives the plant from 0 to x.
-/// @throws InvalidInput  if a pole is not stable, because the integral then diverges; the message
-///                       names the pole
+/// @throws InvalidInput  as validate(); if a pole is not stable, because the integral then
+///                       diverges, or is too close to the stability boundary; the message names the
+///                       pole
 [[nodiscard]] Eigen::MatrixXd controllability_gramian(const ContinuousLti& plant);
 
 /// The same for a discrete plant.

@@ -24,6 +24,8 @@ class OpenLoop {
   /// @param L      as many outputs as inputs
   /// @param delay  [s], ≥ 0; must be 0 if there are several channels. In a discrete loop, states
   ///               represent the delay.
+  /// @throws InvalidInput  as validate(); if L is not square, if the closed loop is algebraic, or
+  ///                       if the delay is out of range
   explicit OpenLoop(const ContinuousLti& L, double delay = 0);
   explicit OpenLoop(const DiscreteLti& L);  ///< the same for a discrete system
 
@@ -53,6 +55,8 @@ class OpenLoop {
   [[nodiscard]] Eigen::VectorXcd zeros() const;
 
   /// The open loop of one channel with all other channels closed.
+  /// @param index  of the channel, 0 ≤ index < size()
+  /// @throws InvalidInput  if there is no such channel, or if its own loop is algebraic
   [[nodiscard]] OpenLoop channel(Eigen::Index index) const;
   /// The same loop without its delay.
   [[nodiscard]] OpenLoop without_delay() const;
@@ -79,6 +83,7 @@ class OpenLoop {
 /// Computes the open loop of u = -K x cut at the plant's inputs: K (sI - A)⁻¹ B.
 /// @param plant  nx states, nu inputs; C and D are not used
 /// @param K      (nu × nx)
+/// @throws InvalidInput  as validate(), or if K has the wrong shape or an entry that is not finite
 [[nodiscard]] OpenLoop loop_at_inputs(const ContinuousLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
 
@@ -87,6 +92,7 @@ class OpenLoop {
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
 
 /// Computes the open loop of u = -K x cut at the measured states: (sI - A)⁻¹ B K.
+/// Arguments and errors as loop_at_inputs().
 [[nodiscard]] OpenLoop loop_at_states(const ContinuousLti& plant,
                                       const Eigen::Ref<const Eigen::MatrixXd>& K);
 

@@ -45,7 +45,7 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// Computes the open loop L, cut at the plant's inputs. L under negative feedback is the closed
 /// loop.
 /// @param plant  sampled with the period of the law
-/// @param law    inputs are the plant's outputs, outputs its inputs
+/// @param law    inputs are the plant's outputs, outputs its inputs; C and D explicit, also if zero
 /// @return       states of the plant, then of the law; inputs and outputs are the plant's inputs
 /// @throws InvalidInput  if the sizes or the control periods of plant and law disagree
 [[nodiscard]] PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law);

@@ -40,8 +40,8 @@ struct PolePlacement {
 /// @param B          (nx × nu), nu ≥ 1
 /// @param poles      (nx) complex ones in conjugate pairs
 /// @param tolerance  on PolePlacement::error, relative to the largest modulus of the poles and of
-///                   the eigenvalues of A. It is raised to 100 ε^(1/m) for a pole of multiplicity m,
-///                   which rounding determines only that well.
+///                   the eigenvalues of A. It is raised to 100 ε^(1/m) for a pole of multiplicity
+///                   m, which rounding determines only that well.
 /// @throws InvalidInput  if shapes disagree, an entry is not finite, or a complex pole has no
 ///                       conjugate
 /// Source: Varga 1981, by the real Schur form (LAPACK).

@@ -43,8 +43,8 @@ enum class RiccatiProblem {
 /// 1 ≤ nx ≤ 200.
 struct RiccatiOptions {
   /// Maximum of RiccatiResult::residual, in (0, 1). A residual that the condition of the equation
-  /// explains, at most min(2e-14 / rcond, 1e-6), is accepted as well. A result in 50 digits is exact
-  /// whatever the tolerance.
+  /// explains, at most min(2e-14 / rcond, 1e-6), is accepted as well. A result in 50 digits is
+  /// exact whatever the tolerance.
   double relative_tolerance = 1e-12;
   /// Doubling steps, ≥ 1; eight is typical. If they do not suffice, the Schur method solves the
   /// equation (RiccatiResult::used_schur); the status is no_convergence only if every method fails.

@@ -56,7 +56,7 @@ enum class AllanTaus { octaves, decades, all };
                                                       AllanKind kind = AllanKind::overlapping);
 
 /// Computes the same deviations from a phase (the integral of the rate, one sample more than the
-/// rate has), e.g. [rad].
+/// rate has), e.g. [rad]. Arguments and errors as allan_deviation().
 [[nodiscard]] std::vector<AllanPoint> allan_deviation_of_phase(
     const Eigen::Ref<const Eigen::VectorXd>& phase, double dt,
     const std::vector<std::size_t>& factors, AllanKind kind = AllanKind::overlapping);

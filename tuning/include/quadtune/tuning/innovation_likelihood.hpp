@@ -65,7 +65,8 @@ struct FilterRun {
 /// few small matrices, whatever the length of the logs. Each thread needs its own copy.
 class InnovationLikelihood {
  public:
-  /// @throws InvalidInput  as validate() of the model and of each record.
+  /// @throws InvalidInput  as validate() of the model and of each record; if there is no record, or
+  ///                       if the model has more than 24 states or 64 outputs
   InnovationLikelihood(FilterModel model, std::vector<FilterRecord> records);
   ~InnovationLikelihood();
   InnovationLikelihood(const InnovationLikelihood&);
@@ -79,11 +80,16 @@ class InnovationLikelihood {
 
   /// @param theta  (p) as start_of(); finite.
   /// @param order  which derivatives are computed
+  /// @throws InvalidInput  if theta has the wrong size or an entry that is not finite
   /// @throws Interrupted  if the function given to stop_when() returns true
   [[nodiscard]] Likelihood evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                     LikelihoodOrder order = LikelihoodOrder::value) const;
 
   /// Runs the filter over one record, with the gates of its sensors.
+  /// @param record  its index, 0 ≤ record < records().size()
+  /// @param theta   (p) as for evaluate()
+  /// @throws InvalidInput  as evaluate(), or if there is no such record
+  /// @throws Interrupted   as evaluate()
   [[nodiscard]] FilterRun run(std::size_t record,
                               const Eigen::Ref<const Eigen::VectorXd>& theta) const;
 

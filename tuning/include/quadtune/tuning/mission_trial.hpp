@@ -149,7 +149,8 @@ class MissionTrial {
 [[nodiscard]] Estimated paired_difference(const std::vector<double>& first,
                                           const std::vector<double>& second);
 
-/// Minimum number of draws to estimate a quantile: so many that two are expected on either side of it.
+/// Minimum number of draws to estimate a quantile: so many that two are expected on either side of
+/// it.
 /// @param share  as TrialRequest::share
 [[nodiscard]] std::uint32_t min_draws(double share);
 /// Minimum number of draws for the measure of a request; two for the mean or the worst case.

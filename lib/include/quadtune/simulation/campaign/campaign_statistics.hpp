@@ -66,7 +66,7 @@ struct Sensitivity {
 /// A flight that deserves inspection.
 struct WorstFlight {
   std::uint64_t number = 0;  ///< of the flight
-  std::string why;           ///< e.g. "safety exit: tilt at 3.2 s", "tracking_max 0.41 m of 0.3 m"
+  std::string why;  ///< e.g. "safety exit: tilt at 3.2 s", "tracking_max 0.41 m, limit 0.3 m"
 };
 
 /// Statistics of one case.

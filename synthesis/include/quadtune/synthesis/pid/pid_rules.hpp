@@ -58,12 +58,13 @@ struct LagFit {
 /// one. An infinite N means no filter.
 inline constexpr double kPidFilterRatio = 10;
 
-/// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2}, Ti = L/0.3 (PI), 2
-/// L (PID), Td = L/2.
+/// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2} for {P; PI; PID},
+/// Ti = L/0.3 (PI) or 2 L (PID), Td = L/2. Here and below, T is the time_constant of the model [s]
+/// and L its delay [s].
 /// @param type   P, PI or PID
 /// @param model  fitted to the step response
 /// @param N      Tf = Td / N, > 0
-/// @throws InvalidInput  unless the gain is finite and not 0, T > 0 and L > 0; for type PD.
+/// @throws InvalidInput  unless the gain is finite and not 0 and T, L, N > 0; for type PD.
 /// Source: Ziegler and Nichols 1942.
 [[nodiscard]] PidGains ziegler_nichols_step(PidType type, const FopdtModel& model,
                                             double N = kPidFilterRatio);
@@ -86,7 +87,7 @@ inline constexpr double kPidFilterRatio = 10;
 ///     PD   K = (1/(gain r)) (5/4 + r/6),    Td = L (6 - 2 r)/(22 + 3 r), for r < 3
 ///     PID  K = (1/(gain r)) (4/3 + r/4),    Ti = L (32 + 6 r)/(13 + 8 r),  Td = 4 L/(11 + 2 r)
 ///
-/// @throws InvalidInput  unless the gain is finite and not 0, T > 0 and L > 0; for PD with L ≥ 3 T.
+/// @throws InvalidInput  unless the gain is finite and not 0 and T, L, N > 0; for PD with L ≥ 3 T.
 /// Source: Cohen and Coon 1953.
 [[nodiscard]] PidGains cohen_coon(PidType type, const FopdtModel& model,
                                   double N = kPidFilterRatio);
@@ -101,7 +102,7 @@ inline constexpr double kPidFilterRatio = 10;
 /// @param type   PI or PID
 /// @param model  fitted to the plant
 /// @param N      Tf = Td / N, > 0
-/// @throws InvalidInput  unless the gain is finite and not 0, T > 0 and L > 0; for other types.
+/// @throws InvalidInput  unless the gain is finite and not 0 and T, L, N > 0; for other types.
 /// Source: Åström and Hägglund 2006, chapter 7.
 [[nodiscard]] PidGains amigo(PidType type, const FopdtModel& model, double N = kPidFilterRatio);
 
@@ -115,7 +116,7 @@ inline constexpr double kPidFilterRatio = 10;
 
 /// SIMC, PID: the same rule in series form, K' (1 + 1/(Ti' s)) (1 + Td' s), with Td' the second
 /// time constant, written as K = K' f, Ti = Ti' f, Td = Td'/f, f = 1 + Td'/Ti'.
-/// @throws InvalidInput  for the same reasons, and if the second time constant is negative.
+/// @throws InvalidInput  for the same reasons, if the second time constant is negative, or N ≤ 0.
 [[nodiscard]] PidGains simc(const SopdtModel& model, double tau_c, double N = kPidFilterRatio);
 
 /// Lambda tuning (IMC): inverts the model, with e^(-L s) approximated by 1 - L s (PI) or by the
@@ -128,7 +129,8 @@ inline constexpr double kPidFilterRatio = 10;
 /// @param model   fitted to the plant
 /// @param lambda  desired time constant of the closed loop [s], > 0
 /// @param N       Tf = Td / N, > 0
-/// @throws InvalidInput  unless the gain is finite and not 0, T > 0, L ≥ 0; for other types.
+/// @throws InvalidInput  unless the gain is finite and not 0, L ≥ 0 and T, lambda, N > 0; for other
+///                       types.
 /// Source: Rivera, Morari, Skogestad 1986.
 [[nodiscard]] PidGains lambda_tuning(PidType type, const FopdtModel& model, double lambda,
                                      double N = kPidFilterRatio);

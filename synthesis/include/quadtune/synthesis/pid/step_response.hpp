@@ -25,17 +25,19 @@ struct StepResponse {
 ///
 /// @param loop      under negative feedback
 /// @param channel   0 ≤ channel < loop.size()
-/// @param duration  [s]; 0: automatic. For a stable loop it is 1.5 times the 2 % settling time; for
-///                  an unstable one the response ends when it exceeds 8 in magnitude or has
-///                  oscillated ten times. With a delay, the limit of 400000 steps may shorten the
-///                  duration.
+/// @param duration  [s]; 0: automatic. For a stable loop it is usually 1.1 to 2 times the 2 %
+///                  settling time; for an unstable one the response ends when it exceeds 8 in
+///                  magnitude or has oscillated ten times. A discrete loop has at least 5 and at
+///                  most 400000 steps; a loop with a delay has at most 400000. These limits take
+///                  precedence over the duration.
 /// @throws InvalidInput  if the channel does not exist, or the duration is negative or not finite
 [[nodiscard]] StepResponse step_response(const OpenLoop& loop, Eigen::Index channel = 0,
                                          double duration = 0);
 
 /// Computes the output of the plant after a unit load step at its input with u = -C y: P/(1 + C P).
 /// The duration is as for step_response().
-/// @throws InvalidInput  if loop_of() has more zeros than poles
+/// @throws InvalidInput  as OpenLoop for loop_of(), e.g. if it has more zeros than poles, or if the
+///                       duration is negative or not finite
 [[nodiscard]] StepResponse load_step_response(const ContinuousTransferFunction& plant,
                                               const PidGains& gains, double duration = 0);
 

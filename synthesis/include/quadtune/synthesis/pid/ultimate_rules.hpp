@@ -43,9 +43,9 @@ struct UltimatePoint {
 /// @param type             one that the rule has
 /// @param ultimate_gain    Ku, not 0
 /// @param ultimate_period  Tu [s], > 0
-/// @param N                of the derivative filter Tf = Td/N
+/// @param N                of the derivative filter Tf = Td/N, > 0
 /// @throws InvalidInput  if the rule is unknown or has no such type, Ku is 0 or not finite, or Tu
-///                       is not positive
+///                       or N is not positive
 /// Sources: Ziegler and Nichols 1942; Pessen 1994; Tyreus and Luyben 1992; the rules with little
 /// overshoot as listed by McCormack and Godfrey 1998.
 [[nodiscard]] PidGains ultimate_rule(const std::string& rule, PidType type, double ultimate_gain,

@@ -63,7 +63,8 @@ struct ChosenLaw {
                                    const std::string& who);
 
 /// Whether the cascade is designed on the flown plant by default. Position fixes below 5 Hz
-/// dominate the cost of that design, so that its loops are slower than those of the loop-by-loop rules.
+/// dominate the cost of that design, so that its loops are slower than those of the loop-by-loop
+/// rules.
 [[nodiscard]] bool usually_on_flown_plant(const Vehicle& vehicle);
 
 /// The default specification of a cascade: a design within the bounds of the published gains or

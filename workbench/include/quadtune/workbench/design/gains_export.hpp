@@ -43,9 +43,9 @@ void require_sampled(const StoredLaws& laws, const std::string& path);
 /// @throws NoSolution    if the vehicle has no such trim
 [[nodiscard]] std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind);
 
-/// The loops of roll, pitch and yaw whose margins are too small to fly with the filters and the delay
-/// of the target firmware at their defaults: a phase margin below 20 deg or Ms above 3. Empty if all
-/// are sufficient, or if the target is no firmware. The content must have passed
+/// The loops of roll, pitch and yaw whose margins are too small to fly with the filters and the
+/// delay of the target firmware at their defaults: a phase margin below 20 deg or Ms above 3. Empty
+/// if all are sufficient, or if the target is no firmware. The content must have passed
 /// adapt_to_program().
 [[nodiscard]] std::string weak_loops(const ExportContent& content, ExportKind kind);
 

@@ -10,8 +10,8 @@
 namespace quadtune {
 
 /// The PID cascade that `quadtune pid V` designs every 5 ms, to be flown with the vehicle's own
-/// sensors in the missions hover, step-north and take-off-and-land. If the motor lag is at least 20 ms
-/// and the loops are designed on the flown plant, roll and pitch have a lead of half the lag
+/// sensors in the missions hover, step-north and take-off-and-land. If the motor lag is at least
+/// 20 ms and the loops are designed on the flown plant, roll and pitch have a lead of half the lag
 /// (FlownGainsOptions::rate_lead).
 ///
 /// If a firmware is among the exports, the cascade has the structure of that firmware, and its

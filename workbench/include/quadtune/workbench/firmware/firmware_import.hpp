@@ -40,7 +40,8 @@ struct FirmwareImport {
 };
 
 /// The open loop of a rotation in continuous time: gyroscope and derivative filters, the delay and
-/// the motor lag as in the firmware's documentation, and the inertia and the damping of the vehicle.
+/// the motor lag as in the firmware's documentation, and the inertia and the damping of the
+/// vehicle.
 /// Theory: "Cascades of autopilots".
 /// @param firmware  of the parameters
 /// @param vehicle   valid

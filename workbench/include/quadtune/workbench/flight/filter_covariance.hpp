@@ -23,7 +23,7 @@ struct LinearSensor {
 /// Errors that follow x' = (A - diag(decay)) x + w, and the sensors that measure them.
 struct ErrorModel {
   Eigen::MatrixXd A;                  ///< (n × n), nilpotent with A⁴ = 0: chains of integrators
-  Eigen::MatrixXd Q;                  ///< (n × n) spectral density of w [unit² s], ≥ 0
+  Eigen::MatrixXd Q;                  ///< (n × n) spectral density of w [unit²/s], ≥ 0
   Eigen::MatrixXd P0;                 ///< (n × n) covariance at the beginning, ≥ 0
   std::vector<LinearSensor> sensors;  ///< at least one
   /// (n), or empty for none [1/s], ≥ 0: a decaying state neither drives another nor is driven.

@@ -22,8 +22,8 @@ namespace quadtune {
 struct CertifyOptions {
   std::string vehicle;     ///< a name or a file; empty: that of the export's manifest
   std::string controller;  ///< as in controller_kind(); empty: every law of the export
-  /// Ratios to the values in the vehicle file; 0 < low ≤ 1 ≤ high. See VehicleUncertainty. None: the
-  /// [spread] of the file, or 0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1 if the file states none.
+  /// Ratios to the values in the vehicle file; 0 < low ≤ 1 ≤ high. See VehicleUncertainty. None:
+  /// the [spread] of the file, or 0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1 if the file states none.
   std::optional<UncertainRange> mass = {};
   std::optional<UncertainRange> inertia = {};  ///< of each moment of inertia, likewise
   std::optional<UncertainRange> thrust = {};   ///< of the thrust and the drag torque, likewise
