@@ -50,7 +50,8 @@ struct SamplingError {
 
 /// The longest sample period [s] up to which a method preserves the stability of a stable system:
 /// the minimum of -2 Re s/|s|² over the poles for forward Euler, infinite for the other methods.
-/// @param poles  of the continuous system [1/s]; poles at 0 are ignored
+/// @param poles   of the continuous system [1/s]; poles at 0 are ignored
+/// @param method  any
 [[nodiscard]] double stability_limit(const Eigen::VectorXcd& poles, DiscretizationMethod method);
 
 /// The same for any way to sample, by search and bisection to a relative 1e-9. The search starts at
