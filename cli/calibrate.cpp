@@ -68,6 +68,7 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
 }
 
 void run_calibrate(const Options& options, Context& context) {
+  if (options.what.empty()) refuse(kVerb, "WHAT", "the kind of sensor is missing, expected imu");
   if (options.what != "imu")
     refuse(kVerb, "WHAT", "unknown sensor '{}'; expected: quadtune calibrate imu{}", options.what,
            internal::did_you_mean(options.what, {"imu"}));

@@ -59,9 +59,9 @@ Lti read_plant(const Options& options, std::istream& in) {
   plant.A = require_matrix(options.A, in, "discretize", "--A");
   plant.B = require_matrix(options.B, in, "discretize", "--B");
   plant.C = options.C.empty() ? Eigen::MatrixXd::Identity(plant.A.rows(), plant.A.rows()).eval()
-                              : read_matrix(options.C, in);
+                              : read_matrix(options.C, in, "discretize", "--C");
   plant.D = options.D.empty() ? Eigen::MatrixXd::Zero(plant.C.rows(), plant.B.cols()).eval()
-                              : read_matrix(options.D, in);
+                              : read_matrix(options.D, in, "discretize", "--D");
   return plant;
 }
 

@@ -23,6 +23,7 @@
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/design/usual_design.hpp"
 #include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
@@ -34,12 +35,16 @@ struct Options {
   bool force = false, constants = false;
 
   [[nodiscard]] bool of_schedule() const { return is_schedule(source); }
-  [[nodiscard]] bool of_design() const { return source.ends_with(".toml") && !of_schedule(); }
+  /// Also of a vehicle, whose default cascade is a design.
+  [[nodiscard]] bool of_design() const {
+    return (source.ends_with(".toml") && !of_schedule()) || names_vehicle(source);
+  }
 };
 
 void require_complete(const Options& options) {
   if (options.source.empty())
-    refuse("export", "SOURCE", "SOURCE is missing, expected an export, gains or a design");
+    refuse("export", "SOURCE",
+           "SOURCE is missing, expected an export, gains, a design or a vehicle");
   if (options.to.empty()) refuse("export", "--to", "--to is missing, expected the format to write");
   if (options.directory.empty())
     refuse("export", "-o", "-o is missing, expected the directory to write");
@@ -188,9 +193,10 @@ void run_export(const Options& options, Context& context) {
 }
 
 void add_options(CommandLine& line, Options& options) {
-  line.add_option("SOURCE", options.source,
-                  "an export's directory, a gain file, a design file (.toml) or, with --to c, a "
-                  "gain schedule");
+  line.add_option(
+      "SOURCE", options.source,
+      "an export's directory, a gain file, a design file, a vehicle (its default cascade) "
+      "or, with --to c, a gain schedule");
   line.add_option("--to NAME", options.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");

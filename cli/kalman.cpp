@@ -35,8 +35,8 @@ Solution solve(const Options& options, std::istream& in) {
   const auto need = [&in](const std::string& path, const char* option) {
     return require_matrix(path, in, "kalman", option);
   };
-  const KalmanNoise noise = {read_matrix(options.G, in), need(options.Q, "--Q"),
-                             need(options.R, "--R"), read_matrix(options.N, in)};
+  const KalmanNoise noise = {read_matrix(options.G, in, "kalman", "--G"), need(options.Q, "--Q"),
+                             need(options.R, "--R"), read_matrix(options.N, in, "kalman", "--N")};
   if (options.time.discrete) {
     DiscreteLti model;
     model.A = need(options.A, "--A");

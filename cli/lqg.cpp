@@ -43,11 +43,12 @@ MatrixLqgProblem read_problem(const Options& options, Context& context) {
   problem.A = need(files.A, "--A");
   problem.B = need(files.B, "--B");
   problem.C = need(files.C, "--C");
-  problem.D = read_matrix(files.D, context.in);
+  problem.D = read_matrix(files.D, context.in, "lqg", "--D");
   problem.weights = {need(options.common.Q, "--Q"), need(options.common.R, "--R"),
-                     read_matrix(files.N, context.in)};
-  problem.noise = {read_matrix(files.G, context.in), need(files.noise_Q, "--noise-Q"),
-                   need(files.noise_R, "--noise-R"), read_matrix(files.noise_N, context.in)};
+                     read_matrix(files.N, context.in, "lqg", "--N")};
+  problem.noise = {read_matrix(files.G, context.in, "lqg", "--G"), need(files.noise_Q, "--noise-Q"),
+                   need(files.noise_R, "--noise-R"),
+                   read_matrix(files.noise_N, context.in, "lqg", "--noise-N")};
   problem.time = files.time.sampled    ? MatrixTime::sampled
                  : files.time.discrete ? MatrixTime::discrete
                                        : MatrixTime::continuous;

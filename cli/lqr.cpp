@@ -128,10 +128,10 @@ void run_matrices(const Options& options, Context& context) {
   lqr.discrete = options.time.discrete;
   lqr.A = need(options.A, "--A");
   lqr.B = need(options.B, "--B");
-  problem.C = read_matrix(options.C, context.in);
-  problem.D = read_matrix(options.D, context.in);
+  problem.C = read_matrix(options.C, context.in, "lqr", "--C");
+  problem.D = read_matrix(options.D, context.in, "lqr", "--D");
   lqr.weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
-                 read_matrix(options.N, context.in)};
+                 read_matrix(options.N, context.in, "lqr", "--N")};
   const MatrixLqrReport report = matrix_lqr(problem, evidence);
   require_solved(report.lqr.riccati, "--A");
   context.notes("lqr: ", report.lqr.messages);
@@ -140,9 +140,14 @@ void run_matrices(const Options& options, Context& context) {
 }
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
-  line.refuse_given(
-      {"--C", "--D", "--N", "--continuous", "--delay", "--discrete", "--sampled", "--show-sampled"},
-      "applies to matrices only; use --method and --dt with a vehicle");
+  line.refuse_given({"--continuous", "--discrete", "--sampled", "--show-sampled"},
+                    "applies to matrices only; use --method and --dt with a vehicle");
+  line.refuse_given({"--C", "--D"},
+                    "applies to matrices only; --integral selects the states of a vehicle that are "
+                    "integrated");
+  line.refuse_given({"--N"}, "applies to matrices only");
+  line.refuse_given({"--delay"},
+                    "applies to matrices only; the delays of a vehicle are those of its file");
   const PlantChoice choice = choose_plant(line, options.plant, options.structure);
   if (choice.flown && choice.matrix) {
     run_matrix_lqr(options.vehicle, options.flown, line.was_given("--inputs"), context);

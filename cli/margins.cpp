@@ -113,7 +113,7 @@ NamedLoop output_loop(const Options& options, std::istream& in) {
   plant.A = require_matrix(options.A, in, "margins", "--A");
   plant.B = require_matrix(options.B, in, "margins", "--B");
   plant.C = require_matrix(options.C, in, "margins", "--C");
-  plant.D = read_matrix(options.D, in);
+  plant.D = read_matrix(options.D, in, "margins", "--D");
   validate(plant, "--A, --B, --C, --D");
   return matrix_loop(plant, controller_of(options.controller, in, "margins"), loop);
 }
@@ -188,6 +188,9 @@ void require_one_loop(const Options& options, const CommandLine& line) {
     refuse("margins", "--measured", "--measured requires --frd");
   if (line.was_given("--integrator") && options.controller.pid.empty())
     refuse("margins", "--integrator", "--integrator requires --pid");
+  if (line.was_given("--integrator") && !options.dt && !options.time.sampled)
+    refuse("margins", "--integrator",
+           "--integrator requires a discrete loop, expected --dt or --sampled with it");
   if (options.has_fraction() && !options.controller.given() && line.was_given("--cut"))
     refuse("margins", "--cut", "--cut requires matrices or a controller");
   if (!options.flight.gains.empty() && !options.has_vehicle())

@@ -164,6 +164,8 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
 
 void run_transfer_function(const Options& options, Context& context) {
   require_picture(options.plot, "pid");
+  if (options.num.empty() && options.den.empty())
+    refuse("pid", "V", "the plant is missing, expected a vehicle, or --num and --den");
   require_one_way(options);
   const PidReport report = option_of_command("pid", [&] {
     const PidRequest request = request_of(options);

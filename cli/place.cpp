@@ -58,6 +58,15 @@ Eigen::VectorXcd poles_of(const std::string& list) {
   return Eigen::VectorXcd::Map(poles.data(), static_cast<Eigen::Index>(poles.size()));
 }
 
+/// The first requested pole that is unstable, as it was given; empty if there is none.
+std::string unstable_pole(const Options& options, const Eigen::VectorXcd& poles) {
+  const std::vector<std::string> words = word_list(options.poles);
+  for (Eigen::Index i = 0; i < poles.size(); ++i)
+    if (options.dt ? !(std::abs(poles[i]) < 1) : !(poles[i].real() < 0))
+      return internal::printable(words[static_cast<std::size_t>(i)]);
+  return "";
+}
+
 void run_place(const Options& options, Context& context) {
   const Eigen::VectorXcd poles = poles_of(options.poles);
   if (options.dt) require_positive(*options.dt, "place", "--dt");
@@ -67,6 +76,11 @@ void run_place(const Options& options, Context& context) {
   if (!placement.solved())
     throw NoSolution(fmt::format("place: {}: {}", to_string(placement.status), placement.culprit),
                      "--A");
+  if (const std::string pole = unstable_pole(options, poles); !pole.empty())
+    context.note(fmt::format("place: warning: the closed loop is unstable: the pole {} is not {}",
+                             pole,
+                             options.dt ? "inside the unit circle; with --dt, poles are those in z"
+                                        : "in the left half-plane"));
   context.print([&] { return to_json(placement); },
                 [&] { return to_text(placement, options.dt.value_or(0)); });
 }

@@ -221,11 +221,13 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--spin NAME", words.spin,
                   "with new: cw (default) or ccw, of the front left rotor of x, the front one of "
                   "plus; the others alternate");
-  line.add_count("--blades N", words.blades, 1, "with new: of a propeller (default 2)");
+  line.add_count("--blades N", words.blades, 1,
+                 "with new: number of blades of a propeller (default 2)");
   line.add_option("--max-thrust F", words.max_thrust,
                   "with new: thrust of one rotor at full command (760gf)");
-  line.add_positive("--thrust-to-weight N", words.thrust_to_weight,
-                    "with new: ratio at full command, instead of --max-thrust");
+  line.add_positive(
+      "--thrust-to-weight N", words.thrust_to_weight,
+      "with new: thrust of all rotors at full command over the weight, instead of --max-thrust");
   line.add_option("--max-speed W", words.max_speed,
                   "with new: rotor speed at full command (9800rpm)");
   line.add_option("--hover-speed W", words.hover_speed,

@@ -75,8 +75,8 @@ StoredLaws read_file(const fs::path& path) {
       path.string(),
       fmt::format(
           "is not a gain file; expected gains.json, manifest.json, {}, a gain file of uquad ({}, "
-          "…), or the JSON output of `quadtune lqr` or `pid` (--json, or -o with a name "
-          "that ends in .json)",
+          "…), or the JSON output of `quadtune lqr`, `lqg`, `pid` or `import` (--json, or -o "
+          "with a name that ends in .json)",
           exports::kControllerVars, uquad_file_sets().front().proportional));
 }
 

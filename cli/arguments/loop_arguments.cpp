@@ -54,7 +54,7 @@ std::optional<LoopController> controller_of(const ControllerArguments& arguments
     controller.num = coefficients(arguments.num, verb, "--controller-num");
     controller.den = coefficients(arguments.den, verb, "--controller-den");
   } else if (matrices) {
-    controller.D = read_matrix(arguments.D, in);
+    controller.D = read_matrix(arguments.D, in, verb, "--controller-D");
     const bool gain = arguments.A.empty() && arguments.B.empty() && arguments.C.empty();
     if (gain) return controller;
     controller.A = require_matrix(arguments.A, in, verb, "--controller-A");
@@ -100,8 +100,8 @@ std::variant<ContinuousLti, DiscreteLti> system_of(const SystemArguments& argume
   ContinuousLti plant;
   plant.A = require_matrix(arguments.A, in, verb, "--A");
   plant.B = require_matrix(arguments.B, in, verb, "--B");
-  plant.C = read_matrix(arguments.C, in);
-  plant.D = read_matrix(arguments.D, in);
+  plant.C = read_matrix(arguments.C, in, verb, "--C");
+  plant.D = read_matrix(arguments.D, in, verb, "--D");
   validate(plant, "--A, --B, --C, --D");
   if (!arguments.dt) return plant;
   return DiscreteLti{plant.A, plant.B, plant.C, plant.D, *arguments.dt, {}, {}, {}};

@@ -16,10 +16,16 @@
 
 namespace quadtune::cli {
 
-Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
+Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in, const std::string& verb,
+                            const std::string& option) {
   if (path.empty()) return {};
-  if (const auto lines = matrix_lines(path))
-    return parse_text_matrix(*lines, fmt::format("'{}'", internal::printable(path)));
+  if (const auto lines = matrix_lines(path)) {
+    try {
+      return parse_text_matrix(*lines, fmt::format("{} '{}'", option, internal::printable(path)));
+    } catch (const InvalidInput& error) {
+      refuse(verb, option, "{}", error.what());  // the matrix is part of the command line
+    }
+  }
   if (path != "-") return read_text_matrix(path);
   // Reads at most one byte more than the limit, which is enough to reject an input that is too
   // long. Reads from the buffer directly, because a stream would swallow an exception of its buffer
@@ -39,7 +45,7 @@ Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
 Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const std::string& verb,
                                const std::string& option) {
   if (path.empty()) refuse(verb, option, "{} is missing, expected a matrix file", option);
-  return read_matrix(path, in);
+  return read_matrix(path, in, verb, option);
 }
 
 std::vector<std::string> word_list(const std::string& text) {

@@ -12,7 +12,8 @@ namespace quadtune::cli {
 
 /// Reads the matrix file of an option; `-` reads `in`. Returns an empty matrix if the option was
 /// not given.
-[[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in);
+[[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in,
+                                          const std::string& verb, const std::string& option);
 
 /// As read_matrix(), for a required option.
 /// @throws UsageError  "quadtune lqr: --B is missing, expected a matrix file".

@@ -58,11 +58,11 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
   const FlightCondition& condition = plant.flight;
   if (condition.kind == FlightKind::circle && condition.radius == 0)
     throw UsageError(
-        "quadtune: --radius is missing or 0, expected the radius of the circle in metres",
+        "quadtune: --at circle requires --radius, the radius of the circle in metres, not 0",
         "--radius");
   if (condition.kind == FlightKind::spin && condition.yaw_rate == 0)
     throw UsageError(
-        "quadtune: --yaw-rate is missing or 0, expected the yaw rate of the spin in rad/s",
+        "quadtune: --at spin requires --yaw-rate, the yaw rate of the spin in rad/s, not 0",
         "--yaw-rate");
   const LinearizeOptions options = linearize_options(arguments);
   try {

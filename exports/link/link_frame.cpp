@@ -8,6 +8,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/link.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune {
 namespace {
@@ -169,8 +170,8 @@ LinkCommand decode_link_frame(LinkFirmware firmware, std::span<const std::uint8_
   const bool native = firmware == LinkFirmware::native;
   const std::size_t begin = native ? kHeader : 0;
   if (frame.size() < begin + kId)
-    refuse_frame(fmt::format("has {} bytes; expected at least {}, because {}", frame.size(),
-                             begin + kId,
+    refuse_frame(fmt::format("has {}; expected at least {}, because {}",
+                             internal::counted(frame.size(), "byte"), begin + kId,
                              native ? "it starts with a header of 7 and an id of 4 bytes"
                                     : "it starts with an id of 4 bytes"));
   LinkCommand command{firmware, {}, {}};
@@ -178,8 +179,8 @@ LinkCommand decode_link_frame(LinkFirmware firmware, std::span<const std::uint8_
   const LinkEntry& entry = entry_of_id(firmware, frame.subspan(begin, kId));
   command.name = entry.name;
   if (const std::size_t length = length_of(firmware, entry); frame.size() != length)
-    refuse_frame(fmt::format("has {} bytes; expected {}, the length of {}", frame.size(), length,
-                             entry.name));
+    refuse_frame(fmt::format("has {}; expected {}, the length of {}",
+                             internal::counted(frame.size(), "byte"), length, entry.name));
   std::size_t at = begin + kId;
   for (const std::uint8_t byte : entry.before) require_byte(frame, at++, byte, "constant");
   for (const LinkArgument& argument : entry.arguments) {

@@ -19,7 +19,9 @@ constexpr char kKalmanQ[] = "kalman-Q.txt", kKalmanR[] = "kalman-R.txt";
 
 std::vector<FileContent> files_of(const ExportContent& content) {
   if (!content.gains)
-    throw InvalidInput("uquad", "there is no state feedback, expected one (section lqr)");
+    throw InvalidInput(
+        "uquad",
+        "there is no state feedback, expected gains of one, e.g. from a design file with [lqr]");
   std::vector<FileContent> files =
       uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
   if (content.imu_calibration)

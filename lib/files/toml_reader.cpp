@@ -239,8 +239,9 @@ Eigen::Vector3d TomlTable::vector3(const std::string& key, const Range& range) c
 Eigen::MatrixXd TomlTable::matrix(const std::string& key) const {
   const TomlNode& node = need(key);
   if (node.kind != TomlNode::Kind::list || node.list.empty())
-    throw InvalidInput(
-        at(node), fmt::format("{} is {}, expected a list of rows", named(key), describe(node)));
+    throw InvalidInput(at(node), fmt::format("{} is {}, expected a list of rows", named(key),
+                                             node.kind == TomlNode::Kind::list ? "an empty list"
+                                                                               : describe(node)));
   const std::size_t cols = node.list.front().list.size();
   Eigen::MatrixXd M(static_cast<Eigen::Index>(node.list.size()), static_cast<Eigen::Index>(cols));
   for (Eigen::Index i = 0; i < M.rows(); ++i) {

@@ -100,8 +100,7 @@ class Collector {
     const std::string& name = names_[first];
     std::string others;
     for (std::size_t i = first + 1; i < required_; ++i)
-      if (found_[i].empty())
-        others += fmt::format("{}'{}'", others.empty() ? ", nor " : ", ", printable(names_[i]));
+      if (found_[i].empty()) others += fmt::format(", '{}'", printable(names_[i]));
     std::vector<std::string> known;
     for (const LogGroup& group : groups)
       for (const LogChannel& channel : group.channels) {
@@ -113,7 +112,8 @@ class Collector {
       hint = ", expected one of";
       for (const std::string& one : known) hint += ' ' + printable(one);
     }
-    throw UnknownChannel(origin_, fmt::format("has no channel '{}'{}{}", printable(name), others,
+    throw UnknownChannel(origin_, fmt::format("has no channel{} '{}'{}{}",
+                                              others.empty() ? "" : "s", printable(name), others,
                                               hint.empty() ? "; 'quadtune log' lists them" : hint));
   }
 

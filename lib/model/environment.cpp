@@ -74,7 +74,7 @@ Wind parse_wind(const std::string& words, const std::string& where) {
     if (equals == std::string::npos && std::isdigit(static_cast<unsigned char>(key[0])) != 0)
       throw InvalidInput(
           where, fmt::format("'{0}' has no direction, expected the direction the wind blows "
-                             "to [m/s], such as north={0}, or light, moderate or "
+                             "to, such as north=3 [m/s], or light, moderate or "
                              "severe for turbulence",
                              internal::printable(entry)));
     if (target == nullptr || equals == std::string::npos)

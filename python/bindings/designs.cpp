@@ -19,6 +19,7 @@
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/design/usual_design.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
 #include "report/flights/flights.hpp"
 #include "report/gains/gains.hpp"
@@ -198,7 +199,10 @@ struct ExportArguments {
   bool constants = false, force = false;
 
   [[nodiscard]] bool of_schedule() const { return is_schedule(source); }
-  [[nodiscard]] bool of_design() const { return source.ends_with(".toml") && !of_schedule(); }
+  /// Also of a vehicle, whose default cascade is a design.
+  [[nodiscard]] bool of_design() const {
+    return (source.ends_with(".toml") && !of_schedule()) || names_vehicle(source);
+  }
 };
 
 void require_target(ExportArguments& given, const ExportKind& kind) {
@@ -340,7 +344,7 @@ void add_export(py::module_& module) {
       "constants"_a = false, "firmware"_a = "", "setup"_a = "", "filter_noise"_a = false,
       "force"_a = false,
       "Write gains, or what a design gives, for another program.\n\n"
-      "source: an export, a gain file, a design file (.toml) or, with to=\"c\", a gain\n"
+      "source: an export, a gain file, a design file, a vehicle or, with to=\"c\", a gain\n"
       "schedule. to: \"uquad\", \"mambo\", \"json\", \"mat\", \"c\", \"px4\", \"ardupilot\",\n"
       "\"betaflight\" or \"crazyflie\". directory: where the files are written. vehicle: where\n"
       "the source does not name one. With to=\"c\": name of the functions, precision\n"

@@ -1913,7 +1913,7 @@ def discretize(*, num: Numbers, den: Numbers, dt: float, delay: float = 0.0, met
 def export(source: Path, to: str, directory: Path, *, vehicle: Optional[VehicleLike] = None, name: str = '', precision: str = '', law: str = '', adapter: str = '', imu_calibration: Optional[Path] = None, constants: bool = False, firmware: str = '', setup: str = '', filter_noise: bool = False, force: bool = False) -> Export:
     """Write gains, or what a design gives, for another program.
 
-    source: an export, a gain file, a design file (.toml) or, with to="c", a gain
+    source: an export, a gain file, a design file, a vehicle or, with to="c", a gain
     schedule. to: "uquad", "mambo", "json", "mat", "c", "px4", "ardupilot",
     "betaflight" or "crazyflie". directory: where the files are written. vehicle: where
     the source does not name one. With to="c": name of the functions, precision

@@ -8,6 +8,7 @@
 
 #include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -56,7 +57,9 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   require_shape(model.C, ny, nx, where, "C", "A is " + shape(model.A));
   const Eigen::MatrixXd G =
       noise.G.size() ? noise.G : Eigen::MatrixXd(Eigen::MatrixXd::Identity(nx, nx));
-  require_shape(G, nx, G.cols(), where, "G", "A is " + shape(model.A));
+  if (G.rows() != nx)
+    throw InvalidInput(where, fmt::format("G is {}, expected {} (A is {})", shape(G),
+                                          internal::counted(nx, "row"), shape(model.A)));
   const Eigen::Index nw = G.cols();
   require_shape(noise.Q, nw, nw, where, "Q",
                 noise.G.size() ? "G is " + shape(G) : "A is " + shape(model.A));

@@ -14,6 +14,7 @@
 #include "lyapunov/lapack.hpp"
 #include "lyapunov/mode_names.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -79,7 +80,12 @@ Number take_nearest(std::vector<Number>& from, Complex value) {
 class Placement {
  public:
   Placement(const MatrixXd& A, const MatrixXd& B)
-      : n_(A.rows()), B_(B), T_(A), U_(A.rows(), A.rows()), K_(MatrixXd::Zero(B.cols(), A.rows())) {
+      : n_(A.rows()),
+        A_(A),
+        B_(B),
+        T_(A),
+        U_(A.rows(), A.rows()),
+        K_(MatrixXd::Zero(B.cols(), A.rows())) {
     Eigen::VectorXd real(n_), imaginary(n_);
     lapack_int count = 0;
     const auto n = static_cast<lapack_int>(n_);
@@ -90,6 +96,7 @@ class Placement {
   [[nodiscard]] bool valid() const { return valid_; }
   [[nodiscard]] const MatrixXd& K() const { return K_; }
   [[nodiscard]] const std::string& culprit() const { return culprit_; }
+  [[nodiscard]] bool controllable() const { return controllable_; }
 
   /// Places all poles.
   /// @return  false if a mode cannot be moved, or LAPACK could not exchange two eigenvalues
@@ -235,15 +242,33 @@ class Placement {
     return false;
   }
 
+  /// The large gains of poles far away hide the effect of the inputs on the other modes in rounding
+  /// errors. The test of Popov, Belevitch and Hautus with the given plant distinguishes this from
+  /// a mode that no input moves.
   bool cannot_move(Complex mode) {
-    culprit_ = fmt::format("mode at {} cannot be controlled", internal::format_mode(mode));
+    const VectorXcd modes = internal::eigenvalues(A_);
+    std::vector<Complex> given(modes.begin(), modes.end());
+    if (!given.empty()) mode = take_nearest(given, mode);
+    Eigen::MatrixXcd pencil(n_, n_ + B_.cols());
+    pencil << A_.cast<Complex>() - mode * Eigen::MatrixXcd::Identity(n_, n_),
+        (B_ * (std::max(A_.norm(), 1e-300) / std::max(B_.norm(), 1e-300))).cast<Complex>();
+    const Eigen::VectorXd sigma = pencil.jacobiSvd().singularValues();
+    controllable_ = sigma[n_ - 1] > 1e-9 * sigma[0];
+    culprit_ = controllable_
+                   ? fmt::format(
+                         "the requested poles are so far from those of the plant that "
+                         "rounding hides how the inputs move the mode at {}; expected poles "
+                         "nearer to those of the plant",
+                         internal::format_mode(mode))
+                   : fmt::format("mode at {} cannot be controlled", internal::format_mode(mode));
     return false;
   }
 
   Index n_;
-  MatrixXd B_, T_, U_, K_;
+  MatrixXd A_, B_, T_, U_, K_;
   Index placed_ = 0;
   bool valid_ = false;
+  bool controllable_ = true;  // whether the mode of the culprit is controllable in the given plant
   std::string culprit_;
 };
 
@@ -288,19 +313,23 @@ PolePlacement place_poles(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<
   if (n == 0 || B.cols() == 0)
     throw InvalidInput(where, "A or B is empty, expected at least one state and one input");
   require_shape(A, n, n, where, "A", "A must be square");
-  require_shape(B, n, B.cols(), where, "B", "A is " + shape(A));
+  if (B.rows() != n)
+    throw InvalidInput(where, fmt::format("B is {}, expected {} (A is {})", shape(B),
+                                          internal::counted(n, "row"), shape(A)));
   require_finite(A, where, "A");
   require_finite(B, where, "B");
   if (poles.size() != n || !poles.allFinite())
-    throw InvalidInput(where, fmt::format("poles has {}, expected {} finite numbers, one per state",
-                                          poles.size(), n));
+    throw InvalidInput(where, fmt::format("poles has {}, expected {}, one per state",
+                                          internal::counted(poles.size(), "entry", "entries"),
+                                          internal::counted(n, "finite number")));
   PolePlacement result;
   result.K = MatrixXd::Constant(B.cols(), n, std::numeric_limits<double>::quiet_NaN());
   Placement placement(A, B);
   WantedPoles wanted = split(poles);
   if (!placement.valid() || !placement.place(std::move(wanted))) {
-    result.status = placement.culprit().empty() ? PolePlacementStatus::inaccurate
-                                                : PolePlacementStatus::not_controllable;
+    result.status = placement.culprit().empty() || placement.controllable()
+                        ? PolePlacementStatus::inaccurate
+                        : PolePlacementStatus::not_controllable;
     result.culprit = placement.culprit().empty()
                          ? "the eigenvalues of A could not be computed or ordered"
                          : placement.culprit();

@@ -9,6 +9,7 @@
 
 #include "lyapunov/eigenvalues.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -42,9 +43,10 @@ FrequencyResponse matrix_response(const MatrixXd& A, const MatrixXd& B, const Ma
 FrequencyResponse sensitivity_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
                                  const MatrixXd& D, double dt) {
   if (D.rows() != D.cols())
-    throw InvalidInput("open loop", fmt::format("the loop has {} outputs and {} inputs, expected "
-                                                "equal numbers because each output is fed back",
-                                                D.rows(), D.cols()));
+    throw InvalidInput("open loop", fmt::format("the loop has {} and {}, expected equal "
+                                                "numbers because each output is fed back",
+                                                internal::counted(D.rows(), "output"),
+                                                internal::counted(D.cols(), "input")));
   const Eigen::PartialPivLU<MatrixXd> lu(MatrixXd::Identity(D.rows(), D.rows()) + D);
   if (!(lu.rcond() > 1e-14))
     throw InvalidInput(

@@ -117,6 +117,8 @@ TEST(MatrixMargins, WrongCombinationsAreRefused) {
                  "--measured requires --frd");
   expect_refused({"margins", "--num", "1", "--den", "1,1", "--integrator", "euler"},
                  "--integrator requires --pid");
+  expect_refused({"margins", "--num", "1", "--den", "1,1", "--pid", "1,2", "--integrator", "euler"},
+                 "--integrator requires a discrete loop");
   expect_refused({"margins", "--num", "1", "--den", "1,1", "--cut", "states"}, "--cut");
   expect_refused({"margins", "mambo", "--gains", "x", "--skew", "1"}, "--skew");
   args = kMatrixLoop;
@@ -182,10 +184,16 @@ TEST(MeasuredMargins, DefectsOfTheFileAreNamedByLine) {
     EXPECT_EQ(result.status, 3) << text;
     return result.err;
   };
-  EXPECT_THAT(message("w,re\n1,2\n"), HasSubstr("bad.csv:1: expected the columns re and im"));
-  EXPECT_THAT(message("w,f,re,im\n"),
-              HasSubstr("bad.csv:1: has not exactly one column of frequencies, expected w"));
-  EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"), HasSubstr("bad.csv:3: the frequency is not"));
+  EXPECT_THAT(message("w,re\n1,2\n"),
+              HasSubstr("bad.csv:1: the columns are w, re, expected re and im"));
+  EXPECT_THAT(message("re,im\n"),
+              HasSubstr("bad.csv:1: there is no column of frequencies, expected w"));
+  EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"),
+              HasSubstr("bad.csv:3: the frequency is 1 after 1, expected"));
+  EXPECT_THAT(message("f,re,im\n0,2,3\n"), HasSubstr("bad.csv:2: the frequency is 0, expected"));
+  EXPECT_THAT(message("w,f,re,im\n"), HasSubstr("bad.csv:1: there are both columns w and f"));
+  EXPECT_THAT(message("w,mag,phase_deg\n1,-2,3\n"),
+              HasSubstr("bad.csv:2: mag is -2, expected 0 or more; a column in decibels"));
   EXPECT_THAT(message("w,re,im\n1,2\n"), HasSubstr("bad.csv:2: 2 entries, expected 3"));
   EXPECT_THAT(message("w,re,im\n1,x,3\n"), HasSubstr("'x' is not a finite number"));
   EXPECT_THAT(message("w,re,im\n1,nan,3\n"), HasSubstr("'nan' is not a finite number"));
@@ -326,6 +334,11 @@ TEST(Place, OfADoubleIntegrator) {
   EXPECT_EQ(run_program({"place", "--A", "1", "--B", "0", "--poles", "-1"}).status, 4);
   expect_refused({"place", "--A", "1", "--B", "1", "--poles", "x"}, "'x' is not a number");
   expect_refused({"place", "--A", "1", "--B", "1"}, "--poles is missing");
+  EXPECT_THAT(run_program({"place", "--A", "1", "--B", "1", "--poles", "2"}).err,
+              HasSubstr("the pole 2 is not in the left half-plane"));
+  EXPECT_THAT(run_program({"place", "--A", "1", "--B", "1", "--poles=-2", "--dt", "0.1"}).err,
+              HasSubstr("the pole -2 is not inside the unit circle"));
+  EXPECT_EQ(run_program({"place", "--A", "1", "--B", "1", "--poles=-2"}).err, "");
   const Json swing = printed_json({"place", "--A", "0 1; 0 0", "--B", "0; 1", "--poles", "2j,-2j"});
   EXPECT_NEAR(swing["K"][0][0], 4, 1e-12);
 }

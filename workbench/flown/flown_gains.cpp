@@ -303,8 +303,9 @@ double FlownGains::disk() const {
 
 FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options) {
   FlownGains result;
+  const StandardAxes usual = standard_axes(vehicle);  // throws if the vehicle cannot hover
+  const StandardAxes weights = options.weights.value_or(usual);
   result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
-  const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);
   result.axes.resize(kFlownAxes.size());
   const auto one = [&](std::size_t i) {

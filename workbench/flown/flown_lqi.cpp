@@ -244,6 +244,7 @@ FlownLqiOptions flown_lqi_options(const Vehicle& vehicle, const LqiDesign& desig
 }
 
 FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
+  (void)standard_axes(vehicle);  // throws if the vehicle cannot hover
   const std::vector<FlownFamilyMember> family =
       flown_family(vehicle, InputKind::wrench, options.dt);
   // Usually the margins are largest if the law predicts by the delay of the rates; the estimator

@@ -101,7 +101,9 @@ class FlightReader {
       try {
         return read_signals_by_name(path_, model_, signals, options_.reading);
       } catch (const UnknownChannel& lacking) {
-        throw lacks_channel(lacking);
+        throw InvalidInput(lacking.where(), lacking.problem() +
+                                                "; --map NAME=CHANNEL selects another channel, and "
+                                                "CHANNEL@FILE one of another log");
       }
     }();
     if (std::find(files_.begin(), files_.end(), path_) == files_.end()) {

@@ -52,7 +52,7 @@ std::vector<double> range_values(double first, double step, double last, const s
                     axis, first, last));
   const double steps = (last - first) / step;
   if (!(steps < static_cast<double>(kMaxSchedulePoints)))
-    refuse(fmt::format("axis {} has {:.3g} steps, expected at most {} points", axis, steps,
+    refuse(fmt::format("axis {} has {:.6g} points, expected at most {}", axis, steps + 1,
                        kMaxSchedulePoints));
   const auto count = static_cast<Eigen::Index>(std::llround(steps));
   if (std::abs(steps - static_cast<double>(count)) > kRounding)

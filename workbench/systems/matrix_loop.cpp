@@ -187,23 +187,30 @@ DataColumns columns_of(const std::vector<std::string>& words, const std::string&
         *column = static_cast<int>(i);
       }
   const auto given = [](int column) { return int{column >= 0}; };
-  if (given(columns.w) + given(columns.f) != 1)
-    throw InvalidInput(where,
-                       "has not exactly one column of frequencies, expected w [rad/s] or f [Hz] in "
-                       "the first line");
+  const int frequencies = given(columns.w) + given(columns.f);
+  if (frequencies != 1)
+    throw InvalidInput(where, fmt::format("{}, expected w [rad/s] or f [Hz] in the first line",
+                                          frequencies == 0 ? "there is no column of frequencies"
+                                                           : "there are both columns w and f"));
   const bool cartesian = columns.re >= 0 && columns.im >= 0;
   const bool polar = given(columns.mag) + given(columns.mag_db) == 1 &&
                      given(columns.phase_deg) + given(columns.phase_rad) == 1;
   if (cartesian == polar)
-    throw InvalidInput(where,
-                       "expected the columns re and im, or one of mag and mag_db with one of "
-                       "phase_deg and phase_rad, in the first line");
+    throw InvalidInput(where, fmt::format("the columns are {}, expected re and im, or one of mag "
+                                          "and mag_db with one of phase_deg and phase_rad, in the "
+                                          "first line",
+                                          internal::printable(internal::joined(words, ", "))));
   return columns;
 }
 
-std::complex<double> value_of(const DataColumns& columns, const std::vector<double>& row) {
+std::complex<double> value_of(const DataColumns& columns, const std::vector<double>& row,
+                              const std::string& where) {
   const auto at = [&](int column) { return row[static_cast<std::size_t>(column)]; };
   if (columns.re >= 0) return {at(columns.re), at(columns.im)};
+  if (columns.mag >= 0 && at(columns.mag) < 0)
+    throw InvalidInput(where, fmt::format("mag is {}, expected 0 or more; a column in decibels is "
+                                          "named mag_db",
+                                          at(columns.mag)));
   const double size = columns.mag >= 0 ? at(columns.mag) : std::pow(10.0, at(columns.mag_db) / 20);
   const double phase = columns.phase_rad >= 0 ? at(columns.phase_rad)
                                               : at(columns.phase_deg) * std::numbers::pi / 180;
@@ -290,12 +297,16 @@ FrequencyData parse_frequency_data(const std::string& text, const std::string& o
     const double frequency = columns.w >= 0
                                  ? row[static_cast<std::size_t>(columns.w)]
                                  : row[static_cast<std::size_t>(columns.f)] * 2 * std::numbers::pi;
-    if (!(frequency > (w.empty() ? 0.0 : w.back())))
-      throw InvalidInput(where,
-                         "the frequency is not larger than the one before, expected "
-                         "positive frequencies in increasing order");
+    if (!(frequency > (w.empty() ? 0.0 : w.back()))) {
+      const double unit = columns.w >= 0 ? 1 : 2 * std::numbers::pi;
+      throw InvalidInput(
+          where, fmt::format("the frequency is {:.6g}{}, expected positive frequencies in "
+                             "increasing order",
+                             frequency / unit,
+                             w.empty() ? "" : fmt::format(" after {:.6g}", w.back() / unit)));
+    }
     w.push_back(frequency);
-    G.push_back(value_of(columns, row));
+    G.push_back(value_of(columns, row, where));
   }
   FrequencyData data;
   const auto count = static_cast<Index>(w.size());

@@ -109,9 +109,12 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
     if (d.second > 0 && (cut.low > 8 || cut.high < -8))
       refuse(
           fmt::format("least is {:.4g} and most is {:.4g}, but the distribution extends from "
-                      "{:.4g} to {:.4g} (8 deviations), expected an overlap",
+                      "{:.4g} to {:.4g} (8 deviations), expected an overlap{}",
                       low, high, value_at({d.kind, d.first, d.second}, -8),
-                      value_at({d.kind, d.first, d.second}, 8)));
+                      value_at({d.kind, d.first, d.second}, 8),
+                      quantity.kind == QuantityKind::ratio
+                          ? "; the quantity is a ratio to the value of the vehicle file"
+                          : ""));
     // Without limits, the extremes are taken at 8 standard deviations, a probability of about
     // 10⁻¹⁵.
     if (d.second == 0) {

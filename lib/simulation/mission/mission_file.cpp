@@ -514,10 +514,11 @@ Mission parse_mission(const std::string& text, const std::string& origin,
   mission.kind = read_kind(file, kind, context);
   if (carried) mission.kind = Carried{std::get<SmoothPath>(mission.kind)};
   if (end_of_take_off(mission) >= mission.duration)
-    throw InvalidInput(file.where("start"),
-                       fmt::format("start-up and take-off last {} s, expected less than the "
-                                   "mission's duration_s of {}",
-                                   end_of_take_off(mission), mission.duration));
+    throw InvalidInput(
+        file.where("start"),
+        fmt::format("start-up and take-off to {} m last {} s, expected less than "
+                    "the mission's duration_s of {}",
+                    first_height(mission), end_of_take_off(mission), mission.duration));
   if (const auto table = file.maybe_table("landing"))
     mission.landing = read_landing(*table, context, end_of_take_off(mission));
   for (const TomlTable& table : file.tables("event")) mission.events.push_back(read_event(table));

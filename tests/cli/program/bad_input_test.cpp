@@ -241,7 +241,7 @@ std::vector<Mistake> command_line_mistakes() {
       {"TooFewPoles",
        {"place", "--A", "@/A", "--B", "@/B", "--poles=-1"},
        2,
-       {"quadtune place: --poles has 1, expected 2 finite numbers, one per state"},
+       {"quadtune place: --poles has 1 entry, expected 2 finite numbers, one per state"},
        {{"A", "0 1\n0 0\n"}, {"B", "0\n1\n"}}},
       {"HexNumber", {"linearize", "uquad", "--yaw", "0x10"}, 2, {"--yaw: '0x10' is not"}},
       {"HexInList", {"lqr", "uquad", "--R", "0x10"}, 2, {"--R: '0x10' is not"}},
@@ -393,6 +393,12 @@ std::vector<Mistake> command_line_mistakes() {
        2,
        {"--plot"}},
       {"NoRequirement", {"pid", "--num", "1", "--den", "1,1"}, 2, {"--crossover", "--rule"}},
+      {"NoPlant", {"pid"}, 2, {"quadtune pid: the plant is missing, expected a vehicle"}},
+      {"NoSensor", {"calibrate"}, 2, {"the kind of sensor is missing, expected imu"}},
+      {"NoFrame",
+       {"link", "decode", "0e", "--firmware", "simulink"},
+       2,
+       {"quadtune link decode: frame: has 1 byte; expected at least"}},
       {"CrossoverAlone",
        {"pid", "--num", "1", "--den", "1,1", "--crossover", "1"},
        2,
@@ -675,7 +681,7 @@ std::vector<Mistake> schedule_mistakes() {
       {"SpinWithoutRate",
        {"linearize", "uquad", "--at", "spin"},
        2,
-       {"--yaw-rate is missing or 0"}},
+       {"--at spin requires --yaw-rate"}},
   };
 }
 

@@ -63,9 +63,9 @@ TEST(InlineMatrices, MayBeginWithAMinus) {
 
 TEST(InlineMatrices, SayWhichRowIsWrong) {
   const auto wrong = [](const std::string& A, const std::string& message) {
-    refuses({"lqr", "--A", A, "--B", "0; 1", "--Q", "1 0; 0 1", "--R", "1"}, 3, message);
+    refuses({"lqr", "--A", A, "--B", "0; 1", "--Q", "1 0; 0 1", "--R", "1"}, 2, message);
   };
-  wrong("0 1; 0", "'0 1; 0':2: row has 1 number, expected 2");
+  wrong("0 1; 0", "quadtune lqr: --A '0 1; 0':2: row has 1 number, expected 2");
   wrong("0 1; 0 x", "'0 1; 0 x':2: ");
   wrong("[0 one; 0 0]", "'[0 one; 0 0]':1: ");
 }
@@ -115,7 +115,7 @@ TEST(WrongWords, AreAnsweredWithTheRightOnes) {
   refuses({"fly", "mambo", "--mission", "figure8"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--mission", "figure-eight"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--wind", "5"}, 2,
-          "'5' has no direction, expected the direction the wind blows to [m/s], such as north=5");
+          "'5' has no direction, expected the direction the wind blows to, such as north=3 [m/s]");
   refuses({"fly", "mambo", "--controller", "pdi"}, 2, "cascaded-pid (or pid)");
 }
 

@@ -98,7 +98,7 @@ TEST_F(LogChannelsTest, UnknownNamesComeWithTheNearest) {
         (void)read_log_channels(file("t,z,w\n0,1,2\n"), {"u", "z", "v", "ww"});
       },
       ThrowsMessage<InvalidInput>(
-          HasSubstr("has no channel 'u', nor 'v', 'ww', expected one of z w")));
+          HasSubstr("has no channels 'u', 'v', 'ww', expected one of z w")));
 }
 
 TEST(LogSeriesChecks, RefuseWhatNoMethodCanUse) {

@@ -405,12 +405,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"TakeOffInTheAir", kHead + kAir + "take_off_s = 1\n[hover]\nheight_m = 1\n",
                 "m.toml:6: take_off_s in [start] is for a start on the ground, expected at = "
                 "\"ground\" or no take_off_s"},
-        Refusal{"LongTakeOff", kHead + "[start]\ntake_off_s = 19.5\n[hover]\nheight_m = 1\n",
-                "m.toml:3: start-up and take-off last 20 s, expected less than the mission's "
-                "duration_s of 20"},
-        Refusal{"ShortFlight", "name = 'm'\nduration_s = 1\n[hover]\nheight_m = 1\n",
-                "m.toml:1: start-up and take-off last 2.5 s, expected less than the mission's "
-                "duration_s of 1"},
+        Refusal{
+            "LongTakeOff", kHead + "[start]\ntake_off_s = 19.5\n[hover]\nheight_m = 1\n",
+            "m.toml:3: start-up and take-off to 1 m last 20 s, expected less than the mission's "
+            "duration_s of 20"},
+        Refusal{
+            "ShortFlight", "name = 'm'\nduration_s = 1\n[hover]\nheight_m = 1\n",
+            "m.toml:1: start-up and take-off to 1 m last 2.5 s, expected less than the mission's "
+            "duration_s of 1"},
         Refusal{"BelowTheGround", kHead + kAir + "[hover]\nheight_m = -1\n",
                 "m.toml:7: height_m in [hover] is -1, expected 0 or more and 100000 or less"},
         Refusal{"FirstReferenceLater", kHead + kAir + "[[references]]\nat_s = 1\nheight_m = 1\n",

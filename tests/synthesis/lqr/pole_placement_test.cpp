@@ -109,6 +109,23 @@ TEST(PlacePoles, AModeThatCannotMoveIsNamed) {
   EXPECT_THAT(kept.K, MatrixNear(MatrixXd{{0, 3}}, 1e-12));
 }
 
+// Rounding errors of gains of 1e24 are no property of the plant.
+TEST(PlacePoles, PolesFarAwayAreDistinguishedFromModesThatCannotMove) {
+  Eigen::Matrix2d A;
+  A << 0, 1, 0, 0;
+  for (const double far : {1e12, 1e15, 1e20, 1e200}) {
+    const PolePlacement placed =
+        place_poles(A, Eigen::Vector2d(0, 1), Eigen::Vector2cd(-far, -2 * far));
+    EXPECT_EQ(placed.status, PolePlacementStatus::inaccurate) << far;
+    EXPECT_THAT(placed.culprit, testing::HasSubstr("far from those of the plant")) << far;
+    EXPECT_TRUE(placed.K.array().isNaN().all());
+    const PolePlacement stuck =
+        place_poles(Eigen::Matrix2d(Eigen::Vector2d(2, -1).asDiagonal()), Eigen::Vector2d(0, 1),
+                    Eigen::Vector2cd(-far, -2 * far));
+    EXPECT_EQ(stuck.status, PolePlacementStatus::not_controllable) << far;
+  }
+}
+
 TEST(PlacePoles, InvalidInputIsRejected) {
   const Eigen::Matrix2d A = Eigen::Matrix2d::Identity();
   const Eigen::Vector2d B(0, 1);
