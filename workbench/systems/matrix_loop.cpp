@@ -14,6 +14,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/counted.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/words.hpp"
