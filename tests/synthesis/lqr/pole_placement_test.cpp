@@ -117,7 +117,7 @@ TEST(PlacePoles, PolesFarAwayAreDistinguishedFromModesThatCannotMove) {
     const PolePlacement placed =
         place_poles(A, Eigen::Vector2d(0, 1), Eigen::Vector2cd(-far, -2 * far));
     EXPECT_EQ(placed.status, PolePlacementStatus::inaccurate) << far;
-    EXPECT_THAT(placed.culprit, testing::HasSubstr("far from those of the plant")) << far;
+    EXPECT_THAT(placed.culprit, ::testing::HasSubstr("far from those of the plant")) << far;
     EXPECT_TRUE(placed.K.array().isNaN().all());
     const PolePlacement stuck =
         place_poles(Eigen::Matrix2d(Eigen::Vector2d(2, -1).asDiagonal()), Eigen::Vector2d(0, 1),
