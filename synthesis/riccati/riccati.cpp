@@ -220,7 +220,10 @@ struct RiccatiSolver::State {
     if (std::isnan(result.gain_error) && result.rcond < kLowRcond)
       result.gain_error = 0.5 * kEps / result.rcond;
     if (options.evidence == RiccatiEvidence::full && options.problem == RiccatiProblem::regulator) {
-      if (result.warning.empty()) warn(internal::cost_indefiniteness(problem));
+      if (result.warning.empty()) {
+        const std::string cost = internal::cost_indefiniteness(problem);
+        if (!cost.empty()) warn(cost + ": the cost of K is stationary, but may not be the minimum");
+      }
       if (problem.time == Time::discrete) warn(internal::free_inputs(problem, result.X));
     }
     warn(condition_warning(result, options.problem));
@@ -256,12 +259,20 @@ struct RiccatiSolver::State {
     return true;
   }
 
+  /// A cost that is not positive semidefinite is then the likely cause.
+  void give_up(const RiccatiEquation& problem, const Culprit& culprit) {
+    fail(problem, culprit, result);
+    if (options.problem == RiccatiProblem::regulator && result.warning.empty())
+      warn(internal::cost_indefiniteness(problem));
+    if (!result.warning.empty()) result.culprit += "; " + result.warning;
+  }
+
   /// First checks whether a solution exists, which the Schur method does not detect.
   void solve_slowly(const RiccatiEquation& problem, WeightR weight_R, bool want_poles) {
     const double rounding = kNoCoupling * static_cast<double>(nx);
     Culprit culprit = internal::find_culprit(problem, rounding, options);
     if (culprit.status != RiccatiStatus::no_convergence) {
-      fail(problem, culprit, result);
+      give_up(problem, culprit);
       return;
     }
     const internal::SchurOutcome schur = internal::solve_by_schur(problem, weight_R, found);
@@ -278,11 +289,11 @@ struct RiccatiSolver::State {
     result.poles.resize(0);
     culprit = internal::find_culprit(problem, kWeakCoupling, options);
     if (culprit.status != RiccatiStatus::no_convergence) {
-      fail(problem, culprit, result);
+      give_up(problem, culprit);
       return;
     }
     if (solve_exactly(problem)) return;
-    fail(problem, culprit_after_all(problem, schur), result);
+    give_up(problem, culprit_after_all(problem, schur));
   }
 };
 

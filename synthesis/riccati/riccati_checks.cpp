@@ -63,7 +63,7 @@ double cholesky(const ConstRef& M, double shift, Eigen::MatrixXd& L) {
 
 /// "Q has eigenvalue -0.1, expected Q >= 0 …" if M is indefinite beyond rounding; otherwise empty.
 std::string indefiniteness(const ConstRef& M, const Look& look, const char* name,
-                           Eigen::MatrixXd& buffer) {
+                           Eigen::MatrixXd& buffer, const char* remedy = "check the signs") {
   if (look.diagonal && M.diagonal().minCoeff() >= 0) return {};
   const double norm = M.norm();
   if (cholesky(M, 0.5 * kIndefiniteByRounding * norm, buffer) > 0) return {};
@@ -71,8 +71,8 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
   if (min >= -kIndefiniteByRounding * norm) return {};
   return fmt::format(
       "{} has eigenvalue {:.6g}, expected {} >= 0, because a negative weight rewards a deviation; "
-      "check the signs",
-      name, min, name);
+      "{}",
+      name, min, name, remedy);
 }
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
@@ -141,9 +141,8 @@ std::string cost_indefiniteness(const RiccatiEquation& p) {
   Eigen::MatrixXd cost(size, size);
   cost << p.Q, p.N, p.N.transpose(), p.R;
   Eigen::MatrixXd buffer(size, size);
-  const std::string found = indefiniteness(cost, look_at(cost), "[Q N; N' R]", buffer);
-  return found.empty() ? found
-                       : found + ": the cost of K is stationary, but may not be the minimum";
+  return indefiniteness(cost, look_at(cost), "[Q N; N' R]", buffer,
+                        "check the signs and the size of N");
 }
 
 std::string free_inputs(const RiccatiEquation& p, const Eigen::MatrixXd& X) {

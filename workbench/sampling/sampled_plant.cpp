@@ -45,8 +45,9 @@ Eigen::VectorXd channel_delays(const Eigen::VectorXd& delays, const std::string&
     if (delay < 0) refuse(key, fmt::format("has {} s, expected 0 or more", delay));
   if (delays.size() == 1) return Eigen::VectorXd::Constant(count, delays[0]);
   if (delays.size() != 0 && delays.size() != count)
-    refuse(key, fmt::format("has {} entries, expected {} or one for all {}", delays.size(), count,
-                            channels));
+    refuse(key, count == 1 ? fmt::format("has {} entries, expected 1", delays.size())
+                           : fmt::format("has {} entries, expected {} or one for all {}",
+                                         delays.size(), count, channels));
   return delays;
 }
 

@@ -243,7 +243,14 @@ TEST(Care, ReportsAPairOnTheBoundary) {
   EXPECT_EQ(r.status, RiccatiStatus::boundary_pair) << r;
   EXPECT_THAT(r.culprit, HasSubstr("on the imaginary axis"));
   EXPECT_THAT(r.warning, HasSubstr("Q has eigenvalue -2"));
+  EXPECT_THAT(r.culprit, HasSubstr("Q has eigenvalue -2"));
   EXPECT_TRUE(r.X.array().isNaN().all());
+  // N alone makes the cost of a double integrator indefinite.
+  const RiccatiResult cross = care(matrix({{0, 1}, {0, 0}}), matrix({{0}, {1}}),
+                                   MatrixXd::Identity(2, 2), matrix({{1}}), matrix({{5}, {5}}));
+  EXPECT_EQ(cross.status, RiccatiStatus::boundary_pair) << cross;
+  EXPECT_THAT(cross.culprit, HasSubstr("[Q N; N' R] has eigenvalue -6.07"));
+  EXPECT_THAT(cross.culprit, HasSubstr("check the signs and the size of N"));
 }
 
 TEST(Riccati, AcceptsQIndefiniteByRoundingAndReportsMore) {
