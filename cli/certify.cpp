@@ -93,7 +93,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--plant NAME", options.plant,
                   "flown (default) also analyses vehicles of the box with their sensors and "
                   "estimator; ideal does not");
-  line.add_count("--budget N", options.budget, 1, "boxes that a proof may examine (default 20000)");
+  line.add_count("--budget N", options.budget, 1,
+                 "maximum number of parts of the box that a proof may examine (default 20000)");
 }
 
 }  // namespace

@@ -65,7 +65,8 @@ void add_options(CommandLine& line, Options& options) {
                   "process noise: covariance per step, or spectral density with --continuous and "
                   "--sampled (nw x nw)");
   line.add_option("--R FILE", options.R, "measurement noise, as --Q (ny x ny)");
-  line.add_option("--N FILE", options.N, "cross-covariance (nw x ny); default: 0");
+  line.add_option("--N FILE", options.N,
+                  "cross-covariance (nw x ny); default: 0; not with --sampled");
   line.add_flag("--discrete", options.time.discrete, "A is discrete");
   line.add_flag("--continuous", options.time.continuous, "A is continuous");
   line.add_number("--sampled DT", options.time.sampled,

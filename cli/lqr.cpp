@@ -135,6 +135,7 @@ void run_matrices(const Options& options, Context& context) {
   const MatrixLqrReport report = matrix_lqr(problem, evidence);
   require_solved(report.lqr.riccati, "--A");
   context.notes("lqr: ", report.lqr.messages);
+  context.notes("lqr: warning: ", margin_warnings(report.lqr.margins));
   context.print([&] { return to_json(report); },
                 [&] { return to_text(report, options.show_sampled); });
 }
@@ -198,8 +199,9 @@ void add_options(CommandLine& line, Options& options) {
       "--Q FILE|LIST", options.vehicle.Q,
       "state weights: a matrix file, or with V a list with the integrals last; a single number "
       "applies to all; default with V: Bryson's rule, on the ideal plant 1");
-  line.add_option("--R FILE|LIST", options.vehicle.R,
-                  "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is regular");
+  line.add_option(
+      "--R FILE|LIST", options.vehicle.R,
+      "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is nonsingular");
   line.add_option("--N FILE", options.N, "cross weights (nx x nu); default: 0");
   line.add_option(
       "--C FILE", options.C,
