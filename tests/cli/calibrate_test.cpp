@@ -122,7 +122,7 @@ TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
   const ProgramResult lacking =
       run_program({"calibrate", "imu", "--log", imu, "--magnetometer", "mx,my,mz"});
   EXPECT_EQ(lacking.status, 3);
-  EXPECT_THAT(lacking.err, HasSubstr(imu + ": has no channel 'mx'"));
+  EXPECT_THAT(lacking.err, HasSubstr(imu + ": has no channels 'mx', 'my', 'mz'"));
   EXPECT_THAT(lacking.err, HasSubstr("for a channel of another log, write CHANNEL@FILE"));
 }
 

@@ -133,17 +133,17 @@ TEST(Link, RefusesWrongCommandLines) {
 
 TEST(LinkDecode, RefusesWrongFrames) {
   refused("link decode --firmware native", 2, "quadtune link decode: the bytes are missing", "HEX");
-  refused("link decode 02 00 00 --firmware simulink", 3,
+  refused("link decode 02 00 00 --firmware simulink", 2,
           "frame: has 3 bytes; expected at least 4, because it starts with an id of 4 bytes",
-          "frame");
-  refused("link decode 02 00 00 00 00 --firmware simulink", 3,
-          "frame: has 5 bytes; expected 4, the length of land", "frame");
-  refused("link decode 04 0b 09 0c 00 00 00 02 00 01 00 --firmware native", 3,
-          "frame: the header states a length of 12 bytes; expected 11", "frame");
-  refused("link decode 01 00 00 00 65 00 00 00 --firmware simulink", 3,
+          "HEX");
+  refused("link decode 02 00 00 00 00 --firmware simulink", 2,
+          "frame: has 5 bytes; expected 4, the length of land", "HEX");
+  refused("link decode 04 0b 09 0c 00 00 00 02 00 01 00 --firmware native", 2,
+          "frame: the header states a length of 12 bytes; expected 11", "HEX");
+  refused("link decode 01 00 00 00 65 00 00 00 --firmware simulink", 2,
           "frame: takeoff: power is 101 %, expected 0 to 100 %", "frame: takeoff");
-  refused("link decode xy --firmware native", 3,
-          "frame: 'xy' is not a list of bytes; expected pairs", "frame");
+  refused("link decode xy --firmware native", 2,
+          "frame: 'xy' is not a list of bytes; expected pairs", "HEX");
   std::string many = "link decode";
   for (int i = 0; i < 65; ++i) many += " 00";
   refused(many + " --firmware native", 2, "too many arguments", "HEX");

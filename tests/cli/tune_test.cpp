@@ -305,7 +305,8 @@ TEST(TuneVerb, SaysHowAChannelOfAnotherFileIsCalled) {
   const ProgramResult result = tune(imu);
   EXPECT_EQ(result.status, 3);
   EXPECT_THAT(result.err, HasSubstr("has no channel 'height'"));
-  EXPECT_THAT(result.err, HasSubstr("for a channel of another log, write CHANNEL@FILE"));
+  EXPECT_THAT(result.err,
+              HasSubstr("--map NAME=CHANNEL selects another channel, and CHANNEL@FILE one of"));
 }
 
 TEST(TuneVerb, RefusesOutliers) {

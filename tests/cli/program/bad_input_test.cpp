@@ -655,7 +655,7 @@ std::vector<Mistake> schedule_mistakes() {
       schedule_mistake("FourNumbers", "speed=0:1:2:3", {"axis speed has 4 numbers"}),
       schedule_mistake("NegativeSpeed", "speed=-1:1:1", {"speed has -1 m/s, expected 0 or more"}),
       schedule_mistake("NoMass", "mass=0:0.5:1", {"mass has 0, expected more than 0"}),
-      schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 steps, expected at most"}),
+      schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 points, expected at most"}),
       schedule_mistake("TooManyPoints", "speed=0:0.01:10, climb=0:0.01:10",
                        {"exceeds 100000 points at axis climb"}),
       schedule_mistake("ScheduleOfAFlight", "speed=1",
