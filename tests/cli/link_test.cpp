@@ -141,7 +141,7 @@ TEST(LinkDecode, RefusesWrongFrames) {
   refused("link decode 04 0b 09 0c 00 00 00 02 00 01 00 --firmware native", 2,
           "frame: the header states a length of 12 bytes; expected 11", "HEX");
   refused("link decode 01 00 00 00 65 00 00 00 --firmware simulink", 2,
-          "frame: takeoff: power is 101 %, expected 0 to 100 %", "frame: takeoff");
+          "frame: takeoff: power is 101 %, expected 0 to 100 %", "HEX");
   refused("link decode xy --firmware native", 2,
           "frame: 'xy' is not a list of bytes; expected pairs", "HEX");
   std::string many = "link decode";
