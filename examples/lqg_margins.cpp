@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// LQG for a vehicle near hover, and its margins with and without the filter: lqg_margins
-/// [NAME|FILE] Exit status: 0 if the loop is stable, 1 if not, 2 and one line for any error.
+/// LQG for a vehicle near hover, with its margins: lqg_margins [NAME|FILE]
+/// Exit status: 0 if the loop is stable, 1 if not, 2 and one line for any error.
 #include <Eigen/LU>
 #include <iostream>
 #include <numbers>

@@ -72,13 +72,14 @@ void run_decode(const Options& options, Context& context) {
       option_of_command(kDecode, [&] { return link_firmware(options.firmware); });
   if (options.words.empty())
     refuse(kDecode, "HEX", "the bytes are missing, expected a frame, e.g. 02 00 00 00");
-  try {
-    const LinkCommand command =
-        decode_link_frame(firmware, link_bytes(internal::joined(options.words, " ")));
-    context.print([&] { return to_json(command); }, [&] { return to_text(command); });
-  } catch (const InvalidInput& error) {
-    refuse(kDecode, "HEX", "{}", error.what());  // the frame is part of the command line
-  }
+  const LinkCommand command = [&] {
+    try {
+      return decode_link_frame(firmware, link_bytes(internal::joined(options.words, " ")));
+    } catch (const InvalidInput& error) {
+      refuse(kDecode, "HEX", "{}", error.what());  // the frame is part of the command line
+    }
+  }();
+  context.print([&] { return to_json(command); }, [&] { return to_text(command); });
 }
 
 // --- send ---

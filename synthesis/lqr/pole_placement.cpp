@@ -252,7 +252,7 @@ class Placement {
     Eigen::MatrixXcd pencil(n_, n_ + B_.cols());
     pencil << A_.cast<Complex>() - mode * Eigen::MatrixXcd::Identity(n_, n_),
         (B_ * (std::max(A_.norm(), 1e-300) / std::max(B_.norm(), 1e-300))).cast<Complex>();
-    const Eigen::VectorXd sigma = pencil.jacobiSvd().singularValues();
+    const Eigen::VectorXd sigma = pencil.bdcSvd().singularValues();
     controllable_ = sigma[n_ - 1] > 1e-9 * sigma[0];
     culprit_ = controllable_
                    ? fmt::format(

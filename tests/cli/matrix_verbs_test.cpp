@@ -186,12 +186,11 @@ TEST(MeasuredMargins, DefectsOfTheFileAreNamedByLine) {
   };
   EXPECT_THAT(message("w,re\n1,2\n"),
               HasSubstr("bad.csv:1: the columns are w, re, expected re and im"));
-  EXPECT_THAT(message("re,im\n"),
-              HasSubstr("bad.csv:1: there is no column of frequencies, expected w"));
+  EXPECT_THAT(message("re,im\n"), HasSubstr("bad.csv:1: has no column of frequencies, expected w"));
   EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"),
               HasSubstr("bad.csv:3: the frequency is 1 after 1, expected"));
   EXPECT_THAT(message("f,re,im\n0,2,3\n"), HasSubstr("bad.csv:2: the frequency is 0, expected"));
-  EXPECT_THAT(message("w,f,re,im\n"), HasSubstr("bad.csv:1: there are both columns w and f"));
+  EXPECT_THAT(message("w,f,re,im\n"), HasSubstr("bad.csv:1: has both columns w and f"));
   EXPECT_THAT(message("w,mag,phase_deg\n1,-2,3\n"),
               HasSubstr("bad.csv:2: mag is -2, expected 0 or more; a column in decibels"));
   EXPECT_THAT(message("w,re,im\n1,2\n"), HasSubstr("bad.csv:2: 2 entries, expected 3"));

@@ -191,8 +191,8 @@ DataColumns columns_of(const std::vector<std::string>& words, const std::string&
   const int frequencies = given(columns.w) + given(columns.f);
   if (frequencies != 1)
     throw InvalidInput(where, fmt::format("{}, expected w [rad/s] or f [Hz] in the first line",
-                                          frequencies == 0 ? "there is no column of frequencies"
-                                                           : "there are both columns w and f"));
+                                          frequencies == 0 ? "has no column of frequencies"
+                                                           : "has both columns w and f"));
   const bool cartesian = columns.re >= 0 && columns.im >= 0;
   const bool polar = given(columns.mag) + given(columns.mag_db) == 1 &&
                      given(columns.phase_deg) + given(columns.phase_rad) == 1;

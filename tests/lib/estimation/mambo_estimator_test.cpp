@@ -359,9 +359,9 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
   EXPECT_GT((filtered_sum - raw_sum).norm(), 1e-3);
 }
 
-// Its position is some metres off; images at 5 Hz, processed in 0.2 s, measure it. A scalar filter
-// of what random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
-// period's.
+// Its position is some metres off; images at 5 Hz, processed in 0.2 s, measure it. The error of a
+// scalar filter for a random walk whose variance grows by q per period has a steady variance P with
+// P = (P + q) R/(P + q + R) after a measurement with variance R.
 TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   const MamboSettings settings = exact_settings();
   Vector12 x = at_height(1);
