@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <utility>
 #include <vector>
 
 namespace quadtune::bench {
+
+[[nodiscard]] inline double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
 
 /// Times of several repetitions [s].
 struct Wall {
@@ -25,8 +31,8 @@ template <class Work, class Clock>
     work();
     seconds.push_back(now() - start);
   }
-  std::sort(seconds.begin(), seconds.end());
-  return {seconds[repetitions / 2], seconds.front()};
+  const double min = *std::min_element(seconds.begin(), seconds.end());
+  return {median_of(std::move(seconds)), min};
 }
 
 template <class Work>

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "noise/likelihood/forward_pass.hpp"
 #include "noise/likelihood/steady_information.hpp"
@@ -173,72 +174,99 @@ class AdjointPass {
     steady_ = piece.steady;
     const Eigen::Index blocks = (piece.end - piece.begin) / steady.block;
     steady.with_sizes([&](auto y_size, auto) {
-      if constexpr (y_size() == 4)
-        run_two_steady_states(steady, blocks, numbers, sums);
-      else
+      if constexpr (y_size() == 4) {
+        run_two_steady_states(steady, blocks, numbers);
+        // The first piece of the stretch is processed last.
+        if (&piece == tape_.pieces.data() || (&piece)[-1].steady != piece.steady)
+          add_two_steady_states(steady, sums);
+      } else {
         run_steady_residuals(steady, blocks, numbers, sums);
+      }
     });
   }
 
   /// Propagates r through a piece, and adds its contribution to ∂ log p/∂Q and ∂ log p/∂R.
   void run_steady_residuals(const SteadyState<N>& steady, Eigen::Index left, const double* numbers,
                             LikelihoodSums<N>& sums) {
-    const Eigen::Index e_rows = steady.innovation_rows();
-    constexpr int kGroup = 4;  // blocks whose r rᵀ are summed together
-    // One more, because the first r of a group is the last one of the group before.
-    alignas(64) double out[kGroup + 1][kMaxOutputs + 4 * N + 8];  // u, and r before each sample
-    const double* r_after[4 * kGroup];                            // one per sample
-    Vector<4> squares[kMaxOutputs / 4] = {};
+    constexpr int kGroup = 8;                       // blocks whose products are summed together
+    constexpr int kRows = kMaxOutputs + 4 * N + 8;  // u, and r before each sample
+    const Eigen::Index e_rows = steady.innovation_rows(), rows = steady.backward.rows();
+    alignas(64) double out[kGroup][kRows];
+    const double* r_after[4 * kGroup];  // one per sample
+    // Squares of u, and of r too if only diagonal entries of r rᵀ are required.
+    Vector<8> squares[kRows / 8] = {};
+    const Eigen::Index squared = model_.diagonal_noise ? rows : e_rows;
     Square<N>& by_Q = sums.by_Q[steady.transition];
-    const double* r = r_.at;
-    int slot = 0;
+    const Column<N> last = r_;
     while (left > 0) {
-      int samples = 0;
-      for (int block = 0; block < kGroup && left > 0; ++block) {
+      const double* r = r_.at;
+      int blocks = 0, samples = 0;
+      for (; blocks < kGroup && left > 0; ++blocks) {
         --left;
-        slot = (slot + 1) % (kGroup + 1);
-        multiply(steady.backward.data(), steady.backward.rows(), out[slot],
+        multiply(steady.backward.data(), rows, out[blocks],
                  Input<>{numbers + left * e_rows, steady.block * record_.ny}, Input<N>{r});
-        for (Eigen::Index i = 0; i < e_rows; i += 4)
-          squares[i / 4] += lanes<4>(out[slot] + i)->v * lanes<4>(out[slot] + i)->v;
         for (Eigen::Index sample = 0; sample < steady.block; ++sample) {
           r_after[samples++] = r;
-          r = out[slot] + e_rows + sample * N;
+          r = out[blocks] + e_rows + sample * N;
         }
       }
-      for (const NoiseEntries& entries : model_.noise_entries) {  // ½ Σ r rᵀ
-        Vector<kLanes<N>> sum{};
-        for (int sample = 0; sample < samples; ++sample)
-          sum += r_after[sample][entries.column] * lanes<N>(r_after[sample] + entries.row)->v;
-        lanes<N>(by_Q.column(entries.column) + entries.row)->v += 0.5 * sum;
+      for (Eigen::Index i = 0; i < squared; i += 8) {
+        Vector<8> sum = squares[i / 8];
+        for (int block = 0; block < blocks; ++block) {
+          const Vector<8> part = reinterpret_cast<const Lanes<8>*>(out[block] + i)->v;
+          sum += part * part;
+        }
+        squares[i / 8] = sum;
       }
+      if (!model_.diagonal_noise)
+        for (const NoiseEntries& entries : model_.noise_entries) {  // ½ Σ r rᵀ
+          Vector<kLanes<N>> sum{};
+          for (int sample = 0; sample < samples; ++sample)
+            sum += r_after[sample][entries.column] * lanes<N>(r_after[sample] + entries.row)->v;
+          lanes<N>(by_Q.column(entries.column) + entries.row)->v += 0.5 * sum;
+        }
+      std::copy_n(r, N, r_.at);
     }
-    if (r != r_.at) std::copy_n(r, N, r_.at);
     for (Eigen::Index row = 0; row < steady.block * record_.ny; ++row)
-      sums.by_R[static_cast<std::size_t>(row % record_.ny)] += 0.5 * squares[row / 4][row % 4];
+      sums.by_R[static_cast<std::size_t>(row % record_.ny)] += 0.5 * squares[row / 8][row % 8];
+    if (model_.diagonal_noise)
+      for (int i = 0; i < N; ++i) {
+        // Σ r rᵀ contains the r after each sample, and `squares` those before it.
+        double sum = last.at[i] * last.at[i] - r_.at[i] * r_.at[i];
+        for (Eigen::Index row = e_rows + i; row < e_rows + steady.block * N; row += N)
+          sum += squares[row / 8][row % 8];
+        by_Q(i, i) += 0.5 * sum;
+      }
   }
 
   /// The same for two states and one output. All sums are quadratic in w = [ē; r] of a block of
   /// four samples, so that Σ w wᵀ suffices, and r stays in its register.
   void run_two_steady_states(const SteadyState<N>& steady, Eigen::Index blocks,
-                             const double* numbers, LikelihoodSums<N>& sums) {
-    const Eigen::Matrix<double, 12, 6> map = steady.backward.topRows(12);
-    Vector<8> step[6], products[6] = {};
-    for (int j = 0; j < 6; ++j) step[j] = Vector<8>{0, 0, 0, 0, map(10, j), map(11, j), 0, 0};
-    Vector<8> r = {0, 0, 0, 0, r_.at[0], r_.at[1], 0, 0};
+                             const double* numbers) {
+    Vector<4> step[6];
+    for (int j = 0; j < 6; ++j)
+      step[j] = Vector<4>{steady.backward(10, j), steady.backward(11, j), 0, 0};
+    Vector<8> products[6] = {};
+    Vector<4> r = {r_.at[0], r_.at[1], 0, 0};
     while (blocks-- > 0) {
       const double* e = numbers + 4 * blocks;
-      const Vector<8> w = {e[0], e[1], e[2], e[3], r[4], r[5], 0, 0};
+      const Vector<8> w = __builtin_shufflevector(lanes<4>(e)->v, r, 0, 1, 2, 3, 4, 5, 6, 7);
       for (int j = 0; j < 4; ++j) products[j] += w * e[j];
-      products[4] += w * r[4];
-      products[5] += w * r[5];
-      r = (step[0] * e[0] + step[1] * e[1] + (step[2] * e[2] + step[3] * e[3])) + step[4] * r[4] +
-          step[5] * r[5];
+      products[4] += w * r[0];
+      products[5] += w * r[1];
+      r = (step[0] * e[0] + step[1] * e[1] + (step[2] * e[2] + step[3] * e[3])) + step[4] * r[0] +
+          step[5] * r[1];
     }
-    r_ = {{r[4], r[5]}};
-    Eigen::Matrix<double, 6, 6> of_w;
+    r_ = {{r[0], r[1]}};
     for (int j = 0; j < 6; ++j)
-      for (int i = 0; i < 6; ++i) of_w(i, j) = products[j][i];
+      for (int i = 0; i < 6; ++i) two_states_(i, j) += products[j][i];
+  }
+
+  /// Adds the contribution of a stretch of two steady states.
+  void add_two_steady_states(const SteadyState<N>& steady, LikelihoodSums<N>& sums) {
+    const Eigen::Matrix<double, 6, 6> of_w =
+        std::exchange(two_states_, Eigen::Matrix<double, 6, 6>::Zero());
+    const Eigen::Matrix<double, 12, 6> map = steady.backward.topRows(12);
     const Eigen::Matrix<double, 12, 12> of_map = map * of_w * map.transpose();
     sums.by_R[0] += 0.5 * of_map.diagonal().head<4>().sum();
     const Eigen::Matrix2d by_Q = 0.5 * (of_w.bottomRightCorner<2, 2>() + of_map.block<2, 2>(4, 4) +
@@ -277,6 +305,8 @@ class AdjointPass {
   Tape<N>& tape_;
   Column<N> r_;
   Square<N> N_, F_transposed_;
+  /// Σ w wᵀ of run_two_steady_states() over the pieces of a stretch
+  Eigen::Matrix<double, 6, 6> two_states_ = Eigen::Matrix<double, 6, 6>::Zero();
   int steady_ = -1;  ///< index of the steady gains through which N has been propagated
 };
 

@@ -123,6 +123,7 @@ struct EngineModel {
   std::vector<double> gate;     ///< (ny) largest e²/S; only for a trace
   std::vector<double> factors;  ///< factors of the noise shapes, for linearized records
   std::vector<NoiseEntries> noise_entries;
+  bool diagonal_noise = true;  ///< whether only diagonal entries of Q depend on θ
   Eigen::VectorXd x0;
   Eigen::MatrixXd P0;
   std::vector<bool> diffuse;

@@ -165,6 +165,7 @@ class LikelihoodEngineOf final : public LikelihoodEngine {
     for (int j = 0; j < N; ++j)
       for (int i = 0; i < N; i += kLanes<N>)
         if (!depends.col(j).segment(i, kLanes<N>).isZero(0)) model_.noise_entries.push_back({i, j});
+    model_.diagonal_noise = depends.isDiagonal(0);
   }
 
   void fill(const Eigen::Ref<const Eigen::VectorXd>& theta) {

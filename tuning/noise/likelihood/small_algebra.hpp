@@ -153,32 +153,43 @@ struct Input {
   [[nodiscard]] std::ptrdiff_t size() const { return fixed >= 0 ? fixed : count; }
 };
 
-/// even + odd += A x for eight rows of A; advances to the next column.
-template <int fixed>
+/// even + odd += A x for 8 `width` rows of A; advances to the next column.
+template <int width, int fixed>
 [[gnu::always_inline]] inline void add_columns(const double*& A, std::ptrdiff_t rows,
-                                               const Input<fixed>& x, Vector<8>& even,
-                                               Vector<8>& odd) {
+                                               const Input<fixed>& x, Vector<8>* even,
+                                               Vector<8>* odd) {
+  const auto add = [](const double* column, double factor, Vector<8>* sum) {
+    for (int i = 0; i < width; ++i)
+      sum[i] += reinterpret_cast<const Lanes<8>*>(column)[i].v * factor;
+  };
   std::ptrdiff_t q = 0;
   for (; q + 1 < x.size(); q += 2, A += 2 * rows) {
-    even += reinterpret_cast<const Lanes<8>*>(A)->v * x.at[q];
-    odd += reinterpret_cast<const Lanes<8>*>(A + rows)->v * x.at[q + 1];
+    add(A, x.at[q], even);
+    add(A + rows, x.at[q + 1], odd);
   }
   if (q < x.size()) {
-    even += reinterpret_cast<const Lanes<8>*>(A)->v * x.at[q];
+    add(A, x.at[q], even);
     A += rows;
   }
 }
 
-/// y = A [x₁; x₂; …], A of `rows` rows, a multiple of eight.
+/// y = A [x₁; x₂; …] for 8 `width` rows of A.
+template <int width, class... Inputs>
+[[gnu::always_inline]] inline void multiply_rows(const double* A, std::ptrdiff_t rows, double* y,
+                                                 const Inputs&... x) {
+  Vector<8> even[width] = {}, odd[width] = {};
+  (add_columns<width>(A, rows, x, even, odd), ...);
+  for (int i = 0; i < width; ++i) reinterpret_cast<Lanes<8>*>(y)[i].v = even[i] + odd[i];
+}
+
+/// y = A [x₁; x₂; …], A of `rows` rows, a multiple of eight. As many rows together as keep their
+/// sums in registers, because each entry of x is loaded once for them.
 template <class... Inputs>
 [[gnu::always_inline]] inline void multiply(const double* A, std::ptrdiff_t rows, double* y,
                                             const Inputs&... x) {
-  for (std::ptrdiff_t i = 0; i < rows; i += 8) {
-    const double* column = A + i;
-    Vector<8> even{}, odd{};
-    (add_columns(column, rows, x, even, odd), ...);
-    reinterpret_cast<Lanes<8>*>(y + i)->v = even + odd;
-  }
+  std::ptrdiff_t i = 0;
+  for (; i + 24 <= rows; i += 24) multiply_rows<3>(A + i, rows, y + i, x...);
+  for (; i < rows; i += 8) multiply_rows<1>(A + i, rows, y + i, x...);
 }
 
 }  // namespace quadtune::internal

@@ -111,6 +111,10 @@ class SteadyPass {
     return true;
   }
 
+  /// The tape is larger than the second-level cache, and a processor may not anticipate writes: how
+  /// many numbers later a line of it is needed.
+  static constexpr Eigen::Index kPrefetched = 256;
+
   void run_blocks(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                   LikelihoodSums<N>& sums, double* numbers) {
     const Eigen::Index e_rows = steady.innovation_rows();
@@ -128,7 +132,10 @@ class SteadyPass {
         squares[i / 4] += e * e;
         if (numbers != nullptr) lanes<4>(numbers + i)->v = e;
       }
-      if (numbers != nullptr) numbers += e_rows;
+      if (numbers != nullptr) {
+        __builtin_prefetch(numbers + kPrefetched, 1);
+        numbers += e_rows;
+      }
     }
     for (const Vector<4>& square : squares)
       for (int i = 0; i < 4; ++i) sums.squares += square[i];
@@ -149,8 +156,8 @@ class SteadyPass {
     for (; k < stop; k += 4) {
       const double* column = map;
       Vector<8> even = {}, odd = {};
-      add_columns(column, 8, Input<4>{record_.y + k}, even, odd);
-      add_columns(column, 8, Input<u_size>{record_.u + k}, even, odd);
+      add_columns<1>(column, 8, Input<4>{record_.y + k}, &even, &odd);
+      add_columns<1>(column, 8, Input<u_size>{record_.u + k}, &even, &odd);
       out = (even + odd) + by_x0 * out[4] + by_x1 * out[5];
       squares += out * out;
       if (numbers != nullptr) {
