@@ -9,9 +9,10 @@
 
 namespace quadtune::internal {
 
-/// realize() with states scaled for sampling every dt seconds. A chain of states is scaled by its
-/// slowest pole; if that is slower than 1/dt, by 1/dt. Otherwise the effect of the input on the
-/// last state over one sample, (σ dt)ⁿ/n!, would be lost to rounding relative to that on the first.
+/// realize() with states scaled for sampling every dt seconds. realize() scales its chain of states
+/// by the size σ of the largest pole. If σ is below 1/dt, the chain is scaled by 1/dt instead:
+/// otherwise the effect of the input on the last state over one sample, (σ dt)ⁿ/n!, would be lost
+/// to rounding relative to that on the first.
 [[nodiscard]] ContinuousLti realize_for_sampling(const ContinuousTransferFunction& plant,
                                                  double dt);
 

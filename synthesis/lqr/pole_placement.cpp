@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <vector>
 
 #include "lyapunov/eigenvalues.hpp"
@@ -142,7 +143,8 @@ class Placement {
     const double change = T_(n_ - 1, n_ - 1) - wanted;
     const double scale = std::max({std::abs(wanted), std::abs(T_(n_ - 1, n_ - 1)), 1e-300});
     if (std::abs(change) > kUncontrollable * scale) {
-      if (g.norm() <= kUncontrollable * B_.norm()) return cannot_move(T_(n_ - 1, n_ - 1));
+      if (g.norm() <= kUncontrollable * B_.norm())
+        return cannot_move(VectorXcd::Constant(1, T_(n_ - 1, n_ - 1)));
       feed_back(g.transpose() * (change / g.squaredNorm()));  // g f = change
     }
     return move_up(1);
@@ -159,7 +161,7 @@ class Placement {
       const double scale = std::max(std::abs(now[0]), 1e-300);
       if (std::abs(p + q - T2.trace()) > 1e-9 * scale ||
           std::abs(p * q - T2.determinant()) > 1e-9 * scale * scale)
-        return cannot_move(now[0]);
+        return cannot_move(now);
     } else if (sigma.size() > 1 && sigma[1] > 1e-3 * sigma[0]) {
       // Two independent inputs: T2 - G F may be any matrix, here one that is near T2.
       feed_back(svd.solve(T2 - near_matrix(T2, p, q)));
@@ -171,7 +173,7 @@ class Placement {
       reach << b, T2 * b;
       const double size = b.norm() * (T2 * b).norm();
       if (!(std::abs(reach.determinant()) > kUncontrollable * std::max(size, 1e-300)))
-        return cannot_move(internal::eigenvalues(T2)[0]);
+        return cannot_move(internal::eigenvalues(T2));
       const Eigen::Matrix2d polynomial =
           T2 * T2 - (p + q).real() * T2 + (p * q).real() * Eigen::Matrix2d::Identity();
       const Eigen::RowVector2d f = Eigen::RowVector2d(0, 1) * reach.inverse() * polynomial;
@@ -245,23 +247,38 @@ class Placement {
   /// The large gains of poles far away hide the effect of the inputs on the other modes in rounding
   /// errors. The test of Popov, Belevitch and Hautus with the given plant distinguishes this from
   /// a mode that no input moves.
-  bool cannot_move(Complex mode) {
-    const VectorXcd modes = internal::eigenvalues(A_);
-    std::vector<Complex> given(modes.begin(), modes.end());
-    if (!given.empty()) mode = take_nearest(given, mode);
-    Eigen::MatrixXcd pencil(n_, n_ + B_.cols());
-    pencil << A_.cast<Complex>() - mode * Eigen::MatrixXcd::Identity(n_, n_),
-        (B_ * (std::max(A_.norm(), 1e-300) / std::max(B_.norm(), 1e-300))).cast<Complex>();
-    const Eigen::VectorXd sigma = pencil.bdcSvd().singularValues();
-    controllable_ = sigma[n_ - 1] > 1e-9 * sigma[0];
+  ///
+  /// @param modes  one or two, of which the less controllable one is named
+  bool cannot_move(const VectorXcd& modes) {
+    const VectorXcd of_plant = internal::eigenvalues(A_);
+    std::vector<Complex> given(of_plant.begin(), of_plant.end());
+    Complex culprit;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (Complex mode : modes) {
+      if (!given.empty()) mode = take_nearest(given, mode);
+      const double margin = controllability(mode);
+      if (!(margin < smallest)) continue;
+      smallest = margin;
+      culprit = mode;
+    }
+    controllable_ = smallest > 1e-9;
     culprit_ = controllable_
                    ? fmt::format(
                          "the requested poles are so far from those of the plant that "
                          "rounding hides how the inputs move the mode at {}; expected poles "
                          "nearer to those of the plant",
-                         internal::format_mode(mode))
-                   : fmt::format("mode at {} cannot be controlled", internal::format_mode(mode));
+                         internal::format_mode(culprit))
+                   : fmt::format("mode at {} cannot be controlled", internal::format_mode(culprit));
     return false;
+  }
+
+  /// Relative distance of [A - λ I, B] from a matrix of lower rank.
+  [[nodiscard]] double controllability(Complex mode) const {
+    Eigen::MatrixXcd pencil(n_, n_ + B_.cols());
+    pencil << A_.cast<Complex>() - mode * Eigen::MatrixXcd::Identity(n_, n_),
+        (B_ * (std::max(A_.norm(), 1e-300) / std::max(B_.norm(), 1e-300))).cast<Complex>();
+    const Eigen::VectorXd sigma = pencil.bdcSvd().singularValues();
+    return sigma[n_ - 1] / std::max(sigma[0], 1e-300);
   }
 
   Index n_;

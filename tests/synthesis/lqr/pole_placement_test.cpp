@@ -2,6 +2,7 @@
 /// Pole placement: Ackermann's formula, and given poles of random plants.
 #include "quadtune/synthesis/pole_placement.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>
@@ -123,6 +124,17 @@ TEST(PlacePoles, PolesFarAwayAreDistinguishedFromModesThatCannotMove) {
         place_poles(Eigen::Matrix2d(Eigen::Vector2d(2, -1).asDiagonal()), Eigen::Vector2d(0, 1),
                     Eigen::Vector2cd(-far, -2 * far));
     EXPECT_EQ(stuck.status, PolePlacementStatus::not_controllable) << far;
+  }
+}
+
+// A pair is placed at two real modes together, of which no input moves the second.
+TEST(PlacePoles, OfTwoModesTheUncontrollableOneIsNamed) {
+  for (const double fixed : {2.0, 0.5}) {
+    const PolePlacement placed =
+        place_poles(Eigen::Matrix2d(Eigen::Vector2d(1, fixed).asDiagonal()), Eigen::Vector2d(1, 0),
+                    Eigen::Vector2cd(Complex(3, 1), Complex(3, -1)));
+    EXPECT_EQ(placed.status, PolePlacementStatus::not_controllable);
+    EXPECT_EQ(placed.culprit, fmt::format("mode at {} cannot be controlled", fixed));
   }
 }
 
