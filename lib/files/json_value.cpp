@@ -181,15 +181,15 @@ const char* Json::type_name() const {
     case Kind::null:
       return "null";
     case Kind::boolean:
-      return "boolean";
+      return "a boolean";
     case Kind::text:
-      return "string";
+      return "a string";
     case Kind::array:
-      return "array";
+      return "an array";
     case Kind::object:
-      return "object";
+      return "an object";
     default:
-      return "number";
+      return "a number";
   }
 }
 

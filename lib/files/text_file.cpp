@@ -15,7 +15,9 @@ namespace quadtune::internal {
 namespace {
 
 [[noreturn]] void throw_system_error(const std::string& path) {
-  throw FileError(path, std::strerror(errno));
+  std::string reason = std::strerror(errno);
+  if (errno == EISDIR) reason += ", expected a file";
+  throw FileError(path, reason);
 }
 
 std::string size_in_words(std::size_t bytes) { return fmt::format("{} MiB", bytes >> 20); }

@@ -119,7 +119,7 @@ TEST(DynamicGains, AreRefusedWithAPartMissing) {
   refusal([](Json& gains) { gains["memory"]["lag_s"][2] = -1; },
           "lag is -1 s, expected more than 0");
   refusal([](Json& gains) { gains["limits"]["conditional_integration"] = 1; },
-          "limits.conditional_integration: is number, expected true or false");
+          "limits.conditional_integration: is a number, expected true or false");
   refusal([](Json& gains) { gains["limits"]["position_error_m"] = -1; },
           "the limit of the position error is -1 m, expected more than 0");
 }

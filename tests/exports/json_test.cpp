@@ -57,7 +57,7 @@ TEST(Json, RefusalsNameThePath) {
   refusal("[[1, 2], [3]]", "a.json: K[1]: has 1 entry, expected 2");
   refusal("[[1, \"2\"]]", "a.json: K[0][1]: is \"2\", expected a finite number");
   refusal("[[1, null]]", "a.json: K[0][1]: is null, expected a finite number");
-  refusal("3", "a.json: K: is number, expected an array of rows");
+  refusal("3", "a.json: K: is a number, expected an array of rows");
 }
 
 TEST(Json, PolesAndSignalsReadBack) {

@@ -36,8 +36,8 @@ std::string gains_beside(const TomlTable& table, const std::filesystem::path& fo
                          const std::string& word) {
   const std::vector<std::string> known = {"designed", "published"};
   if (std::find(known.begin(), known.end(), word) != known.end()) return word;
-  std::error_code ignored;
-  if (!is_path(word) && !std::filesystem::exists(folder / word, ignored))
+  std::error_code unreadable;  // the reader of the path reports this
+  if (!std::filesystem::exists(folder / word, unreadable) && !unreadable)
     throw InvalidInput(table.where("gains"),
                        fmt::format("no gains '{}', expected designed, published, or a file or "
                                    "folder next to this file{}",

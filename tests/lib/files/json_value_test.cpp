@@ -123,17 +123,18 @@ TEST(JsonValue, RefusesNumbersThatATypeCannotHold) {
 TEST(JsonValue, RefusesWhatIsOfAnotherKind) {
   const Json json = {{"text", "x"}, {"number", 1}, {"list", {1, 2}}};
   EXPECT_THAT([&] { (void)json["text"].get<double>(); },
-              ThrowsMessage<JsonError>("is string, expected a number"));
+              ThrowsMessage<JsonError>("is a string, expected a number"));
   EXPECT_THAT([&] { (void)json["number"].get<std::string>(); },
-              ThrowsMessage<JsonError>("is number, expected text"));
+              ThrowsMessage<JsonError>("is a number, expected text"));
   EXPECT_THAT([&] { (void)json["number"].get<bool>(); },
-              ThrowsMessage<JsonError>("is number, expected a boolean"));
+              ThrowsMessage<JsonError>("is a number, expected a boolean"));
   EXPECT_THAT([&] { (void)json["absent"]; }, ThrowsMessage<JsonError>("has no \"absent\""));
   EXPECT_THAT([&] { (void)json["list"][2]; }, ThrowsMessage<JsonError>("has no entry 2 of 2"));
   EXPECT_THAT([&] { (void)json["number"]["x"]; },
-              ThrowsMessage<JsonError>("is number, expected an object"));
+              ThrowsMessage<JsonError>("is a number, expected an object"));
   Json text = "x";
-  EXPECT_THAT([&] { text.push_back(1); }, ThrowsMessage<JsonError>("is string, expected an array"));
+  EXPECT_THAT([&] { text.push_back(1); },
+              ThrowsMessage<JsonError>("is a string, expected an array"));
   EXPECT_EQ(json.find("absent"), nullptr);
 }
 

@@ -166,7 +166,7 @@ TEST(TextFile, RefusesWhatCannotBeRead) {
   EXPECT_THAT([] { (void)read_text_file("/no/such/file", 10); },
               ThrowsMessage<FileError>(StrEq("/no/such/file: No such file or directory")));
   EXPECT_THAT([] { (void)read_text_file("/", 10); },
-              ThrowsMessage<FileError>(StrEq("/: Is a directory")));
+              ThrowsMessage<FileError>(StrEq("/: Is a directory, expected a file")));
   EXPECT_THAT([] { (void)read_text_file("/dev/zero", 1 << 20); },
               ThrowsMessage<InvalidInput>(HasSubstr("/dev/zero: is larger than 1 MiB")));
 }

@@ -85,7 +85,7 @@ class Json {
   [[nodiscard]] bool is_object() const { return kind_ == Kind::object; }
   [[nodiscard]] bool is_structured() const { return is_array() || is_object(); }
   [[nodiscard]] bool is_primitive() const { return !is_structured(); }
-  [[nodiscard]] const char* type_name() const;  ///< "null", "boolean", "number", "string", …
+  [[nodiscard]] const char* type_name() const;  ///< "null", "a number", "an array", …
 
   /// The number of entries of an array or of members of an object; 0 for other kinds.
   [[nodiscard]] std::size_t size() const { return values_.size(); }
