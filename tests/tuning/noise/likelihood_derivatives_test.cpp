@@ -68,19 +68,30 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivities) {
       }
 }
 
-// Pieces of 1024 samples, gains that converge within them, gaps, and N that converges backwards.
+// Pieces of 1024 samples, gains that converge within them, gaps, and N that converges backwards;
+// one or several samples a block, and noise of single states, whose derivatives have separate code.
 TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesOverSteadyStretches) {
   std::mt19937_64 random(22);
-  for (const int nx : {3, 6, 12}) {
-    const FilterModel model = testing::random_model(random, nx, 2, false, false);
-    const VectorXd truth = start_of(model);
-    FilterRecord record = testing::simulated(model, truth, 6000, 0.1, random);
-    for (int k = 2500; k < 2510; ++k) record.y.col(k).tail(2).setConstant(std::nan(""));
-    for (std::size_t k = 4000; k < 6000; ++k) record.time[k] += 0.3;
-    expect_same_gradient(model, {record},
-                         truth + 0.2 * testing::uniform_vector(truth.size(), random),
-                         std::to_string(nx));
-  }
+  for (const int nx : {3, 6, 12})
+    for (const bool one_output : {false, true})
+      for (const bool diagonal : {false, true}) {
+        FilterModel model = testing::random_model(random, nx, 2, false, false);
+        if (diagonal) model.G.setIdentity();
+        if (one_output) {
+          model.sensors.resize(1);
+          model.parameters.resize(model.parameters.size() - 2);
+        }
+        const VectorXd truth = start_of(model);
+        FilterRecord record = testing::simulated(model, truth, 6000, 0.1, random);
+        for (int k = 2500; k < 2510; ++k)
+          record.y.col(k).tail(one_output ? 1 : 2).setConstant(std::nan(""));
+        // After a gap in time the noise of a state has spread to the others.
+        for (std::size_t k = 4000; k < 6000; ++k) record.time[k] += diagonal ? 0 : 0.3;
+        expect_same_gradient(model, {record},
+                             truth + 0.2 * testing::uniform_vector(truth.size(), random),
+                             std::to_string(nx) + (one_output ? " one output" : " three outputs") +
+                                 (diagonal ? " diagonal" : ""));
+      }
 }
 
 // They have separate code, which sensitivities do not use. With the small R, some steps require the
