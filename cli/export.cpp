@@ -80,6 +80,16 @@ void require_schedule_options(const Options& options) {
                            : "the program contains only the schedule");
 }
 
+/// Rejects --vehicle with a source that belongs to another vehicle.
+void require_vehicle_of_source(const Options& options, const ExportContent& content) {
+  if (options.vehicle.empty()) return;
+  const std::string given = load_vehicle(options.vehicle).name;
+  if (given != content.vehicle.name)
+    throw OptionError("vehicle",
+                      fmt::format("vehicle is '{}', expected '{}', the vehicle of {}", given,
+                                  content.vehicle.name, internal::printable(options.source)));
+}
+
 ExportContent content_of(const Options& options, const Context& context) {
   if (options.of_schedule()) return schedule_content(options.source, options.vehicle);
   if (options.of_design()) {
@@ -136,8 +146,12 @@ void require_firmware_options(const Options& options, const ExportKind& kind) {
     if (!is_firmware && !value->empty())
       refuse("export", option, "{} applies to the parameters of a firmware only, not to --to {}",
              option, options.to);
-  if (is_firmware)
-    (void)firmware(firmware_kind(kind.name(), "--to"), options.firmware, "--firmware");
+  if (!is_firmware) return;
+  const FirmwareKind firmware_of = firmware_kind(kind.name(), "--to");
+  FirmwareOptions version = options.firmware;
+  version.setup.clear();
+  (void)firmware(firmware_of, version, "--firmware");
+  (void)firmware(firmware_of, options.firmware, "--setup");
 }
 
 void run_export(const Options& options, Context& context) {
@@ -152,7 +166,11 @@ void run_export(const Options& options, Context& context) {
     refuse("export", "--constants", "--constants applies to --to uquad only, not to --to {}",
            options.to);
   if (options.of_schedule()) require_schedule_options(options);
-  ExportContent content = option_of_command("export", [&] { return content_of(options, context); });
+  ExportContent content = option_of_command("export", [&] {
+    ExportContent made = content_of(options, context);
+    require_vehicle_of_source(options, made);
+    return made;
+  });
   content.flight_code = flight_code;
   content.firmware = options.firmware;
   content.uquad_constants = options.constants;

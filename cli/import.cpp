@@ -85,8 +85,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_flag("--defaults", options.defaults,
                 "use the defaults of the firmware instead of a file");
   line.add_option("--firmware VERSION", options.version.version,
-                  "version, e.g. 1.15 of px4; default: that of a file that quadtune wrote, or the "
-                  "newest known release");
+                  "version, e.g. 1.15 of px4; default: that of a file that quadtune wrote, or px4 "
+                  "1.16, ardupilot 4.6, betaflight 2026.6, crazyflie 2026.08");
   line.add_option("--setup NAME", options.version.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
   line.add_positive("--dt T", options.dt, "control period of the cascade [s]; default 0.004");

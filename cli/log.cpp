@@ -41,7 +41,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb log_verb() {
   return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
-          "list the contents of a log, its anomalies, and the filter models that it suffices for",
+          "list the contents of a log, its anomalies, and what each filter model needs of it",
           "quadtune log docs/examples/flight.csv", with_options(add_options, run_log)};
 }
 

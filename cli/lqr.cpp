@@ -106,6 +106,9 @@ void run_matrices(const Options& options, Context& context) {
   LqrProblem& lqr = problem.lqr;
   if (options.time.sampled) require_positive(*options.time.sampled, "lqr", "--sampled");
   if (options.vehicle.dt) {
+    if (options.time.sampled)
+      refuse("lqr", "--dt",
+             "--dt cannot be combined with --sampled, which gives the sample period already");
     if (!options.time.discrete)
       refuse("lqr", "--dt",
              "--dt with matrices requires --discrete; use --sampled DT for a "

@@ -75,8 +75,8 @@ void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, C
   const LqrDesign design =
       make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
   const VehicleLqrReport report = lqr_report(std::move(plant), design, margins);
-  require_solved(report.feedback.riccati, arguments.plant.vehicle);
   context.notes("lqr: ", report.messages);
+  require_solved(report.feedback.riccati, arguments.plant.vehicle);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 

@@ -112,6 +112,8 @@ NamedLoop output_loop(const Options& options, std::istream& in) {
   ContinuousLti plant;
   plant.A = require_matrix(options.A, in, "margins", "--A");
   plant.B = require_matrix(options.B, in, "margins", "--B");
+  if (options.C.empty())
+    refuse("margins", "--K", "--K or --C is missing, expected a matrix file for one of them");
   plant.C = require_matrix(options.C, in, "margins", "--C");
   plant.D = read_matrix(options.D, in, "margins", "--D");
   validate(plant, "--A, --B, --C, --D");

@@ -115,9 +115,21 @@ std::string discrete_text(const PidGains& gains, const Options& options) {
                             : "";
 }
 
+/// Requires gains that can be discretized at --dt.
+///
+/// @param option  where they come from
+void require_discrete(const PidGains& gains, const Options& options, const char* option) {
+  if (!options.cascade.dt) return;
+  try {
+    (void)pid_settings(gains, *options.cascade.dt, method_of(options));
+  } catch (const InvalidInput& error) {
+    refuse("pid", option, "{}: {}", option, error.message());
+  }
+}
+
 void print_gains(const PidGains& gains, const std::string& how, const Options& options,
                  Context& context) {
-  if (options.cascade.dt) (void)pid_settings(gains, *options.cascade.dt, method_of(options));
+  require_discrete(gains, options, options.gains.empty() ? "--dt" : "--gains");
   context.print(
       [&] {
         internal::Json json = {
@@ -153,7 +165,9 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
     try {
       return ultimate_rule(rule, type, *options.Ku, *options.Tu);
     } catch (const InvalidInput& error) {
-      throw OptionError("rule", "rule: " + error.message());
+      const bool of_type = error.message().starts_with("type is");
+      throw OptionError(of_type ? "type" : "rule",
+                        of_type ? error.message() : "rule: " + error.message());
     }
   });
   print_gains(gains,
@@ -176,7 +190,7 @@ void run_transfer_function(const Options& options, Context& context) {
            "the gain of the derivative is unbounded for this plant; expected a filter with --Tf");
   draw(
       options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
-  if (options.cascade.dt) (void)pid_settings(report.gains, *options.cascade.dt, method_of(options));
+  require_discrete(report.gains, options, "--dt");
   context.print(
       [&] {
         internal::Json json = to_json(report);
@@ -249,10 +263,10 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
                   "with the rules simc and lambda: time constant of the closed loop [s]");
   line.add_number(
       "--Ms-max M", options.cascade.Ms_max,
-      "maximum integral gain with max |S| of at most M; with V: bound of each loop, default 1.4");
-  line.add_number("--Mt-max M", options.Mt_max, "with --Ms-max: also max |T| of at most M");
+      "maximum integral gain with max |S| of at most M; with V: bound of each loop; default 1.4");
+  line.add_number("--Mt-max M", options.Mt_max, "as --Ms-max, with max |T| of at most M as well");
   line.add_number("--noise-gain-max G", options.noise_gain_max,
-                  "with --Ms-max: also max |C S| of at most G");
+                  "as --Ms-max, with max |C S| of at most G as well");
 }
 
 void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {

@@ -158,7 +158,11 @@ void make_vehicle(Options& options, Context& context) {
   for (const auto& [word, option, example] :
        {std::tuple{&words.mass, "--mass", "1240g"}, std::tuple{&words.arm, "--arm", "225mm"},
         std::tuple{&words.propeller, "--propeller", "9.4in"}})
-    if (!*word)
+    if (!*word && words.ask)
+      refuse("vehicle", option,
+             "the answer for {} was empty, expected a number with its unit, such as {}", option,
+             example);
+    else if (!*word)
       refuse("vehicle", option, "new needs {}, such as {} {}; --ask asks for each number in turn",
              option, option, example);
   const NewVehicle made =

@@ -83,7 +83,7 @@ std::variant<ContinuousLti, DiscreteLti> system_of(const SystemArguments& argume
       !arguments.A.empty() || !arguments.B.empty() || !arguments.C.empty() || !arguments.D.empty();
   if (fraction == matrices)
     refuse(verb, fraction ? "--num" : "--A",
-           "expected either --A, --B, --C and --D, or --num and --den");
+           "expected either --A and --B, with --C and --D if required, or --num and --den");
   if (arguments.dt) require_positive(*arguments.dt, verb, "--dt");
   if (fraction) {
     const Eigen::VectorXd num = coefficients(arguments.num, verb, "--num");

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -55,6 +56,7 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
     if (const std::size_t colon = kind.find(": ");
         kind.starts_with("with ") && colon != std::string::npos)
       kind.erase(0, colon + 2);
+    kind.erase(std::min(kind.find("; with "), kind.size()));  // what it is in another use
     const bool is_noun =
         kind.starts_with("a ") || kind.starts_with("an ") || kind.starts_with("the ");
     message += is_noun ? fmt::format(", expected {} ({})", kind, option->name())

@@ -49,6 +49,10 @@ FilterModel model_of(const Options& options) {
 }
 
 void require_sane(const Options& options) {
+  if (options.method == "als" && options.student != 0)
+    refuse(kVerb, "--student",
+           "--student cannot be combined with --method als, because autocovariances require normal "
+           "errors");
   if (!options.report.empty() && !options.report.ends_with(".html"))
     refuse(kVerb, "--report", "--report is '{}', expected a name that ends in .html",
            internal::printable(options.report));

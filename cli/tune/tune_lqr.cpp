@@ -163,7 +163,9 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
   });
   if (match.status == GainMatchStatus::interrupted) throw Interrupted();
   if (!match.has_weights())
-    throw NoSolution(fmt::format("tune lqr: {}: {}", options.gains, match.culprit), options.gains);
+    throw NoSolution(fmt::format("tune lqr: no weights were found that give the gain of {}: {}",
+                                 options.gains, match.culprit),
+                     options.gains);
   context.notes("tune lqr: note: ", plant.model.notes);
   tell({plant.vehicle, problem.plant.vehicle, flight_condition(problem.plant), options.gains,
         gains.K, gains.K_int, match, options.tolerance},
@@ -183,7 +185,7 @@ void add_options(CommandLine& line, Options& options) {
   add_plant_options(line, options.problem.plant);
   line.add_option("--match-gains FILE", options.gains,
                   "compute weights that give this gain: an export, a file of gains, or a design "
-                  "with [published] gains; absent options take their values from it");
+                  "with [published] or [lqr] gains; absent options take their values from it");
   line.add_option(
       "--Q LIST", options.problem.Q,
       "start of the search: a list with the integrals last; a single number applies to "

@@ -58,7 +58,8 @@ Controller controller_of(const ExportContent& content) {
                        law.empty()
                            ? std::string("the design has no law, expected a cascaded PID or "
                                          "a state feedback")
-                           : fmt::format("the design has no law '{}'", law));
+                           : fmt::format("the design has no law '{}', expected {}", law,
+                                         by_cascade ? "state-feedback" : "cascaded-pid"));
   if (by_cascade) return cascade_controller(*content.cascade, content.cascade->gains);
   if (!(content.gains->dt > 0))
     throw InvalidInput("flight code",

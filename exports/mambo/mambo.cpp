@@ -25,8 +25,8 @@ constexpr double kFlowCorrection = 1.15;    // factor on the optical flow
 bool near(double a, double b, double scale) { return std::abs(a - b) <= 1e-9 * std::abs(scale); }
 
 [[noreturn]] void refuse(const std::string& came, const std::string& expected) {
-  throw InvalidInput(
-      "mambo", came + ", expected " + expected + ", because the model project's mixer assumes it");
+  throw InvalidInput("mambo", came + ", expected " + expected +
+                                  ", because the mixer of the model project assumes this");
 }
 
 // The model project computes thrust and torque from Ct and Cq, and its mixer assumes a symmetric X.

@@ -90,7 +90,7 @@ void check_robustness(const FilterSensor& sensor, const std::string& of, const s
   if (!(sensor.gate >= 4))
     throw InvalidInput(
         where, fmt::format("the gate of {} is {}, expected at least 4, two standard "
-                           "deviations, because rejected measurements do not affect the estimates",
+                           "deviations, because a smaller gate rejects many correct measurements",
                            of, sensor.gate));
 }
 

@@ -225,10 +225,10 @@ void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
   for (std::size_t i = 0; i < truths.size(); ++i) {
     const std::string& signal = truths[i].signal;
     if (std::find(known.begin(), known.end(), signal) == known.end())
-      throw InvalidInput(
-          name, fmt::format("the model '{}' has no state '{}', expected one of {}{}", model.name,
-                            printable(signal), internal::joined(known, ", "),
-                            did_you_mean(signal, known)));
+      throw OptionError("truth",
+                        fmt::format("truth: the model '{}' has no state '{}', expected one of {}{}",
+                                    model.name, printable(signal), internal::joined(known, ", "),
+                                    did_you_mean(signal, known)));
     if (std::any_of(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(i),
                     [&](const ChannelUse& other) { return other.signal == signal; }))
       throw InvalidInput(name,

@@ -112,6 +112,8 @@ class Collector {
       hint = ", expected one of";
       for (const std::string& one : known) hint += ' ' + printable(one);
     }
+    if (name.find_first_not_of("0123456789") == std::string::npos)
+      hint += "; a number counts the columns from 1 and cannot select the column of the times";
     throw UnknownChannel(origin_, fmt::format("has no channel{} '{}'{}{}",
                                               others.empty() ? "" : "s", printable(name), others,
                                               hint.empty() ? "; 'quadtune log' lists them" : hint));

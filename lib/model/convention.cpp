@@ -143,8 +143,8 @@ const Convention& convention(const std::string& name, const std::string& where) 
     known.push_back(added_name);
   }
   throw InvalidInput(
-      where, fmt::format("no convention '{}', expected {}{}", name, internal::joined(known, ", "),
-                         internal::did_you_mean(name, known)));
+      where, fmt::format("no convention '{}', expected {} or a convention file{}", name,
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 bool is_built_in(const Convention& convention) {

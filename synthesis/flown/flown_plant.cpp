@@ -202,8 +202,8 @@ class Assembly {
     result.notes = notes_;
     if (!estimator_.settled)
       result.notes.emplace_back(
-          "the estimator's covariances still change after 100 s of hover; their values then are "
-          "taken");
+          "the estimator's covariances still change after 100 s of hover; the values at 100 s are "
+          "used");
     return result;
   }
 

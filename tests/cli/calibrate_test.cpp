@@ -230,7 +230,12 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
               HasSubstr("only 2 of 5 samples of 'ax' coincide with samples of all other channels "
                         "('gx' has 2 samples), expected sensors with common sample times"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay"}, 2),
-              HasSubstr("--accelerometer lists 2 columns, expected 3"));
+              HasSubstr("--accelerometer lists 2 columns, expected 3 (x,y,z)\n"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "none"}, 2),
+              HasSubstr("--accelerometer is 'none', expected three channels"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "1,2,3"}, 3),
+              HasSubstr("has no channel '1', expected one of ax ay az; a number counts the columns "
+                        "from 1 and cannot select the column of the times"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,azz"}, 3),
               HasSubstr("has no channel 'azz'"));
   const std::string back =

@@ -227,7 +227,10 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   const std::string gains = path("gains.json"), out = path("none");
   refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 2,
           "px4 has no version '1.2', expected one of 1.17, 1.16, 1.15, 1.14");
-  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2, "is not supported");
+  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2,
+          "--setup: set-up 'legacy' is not supported by px4");
+  refused({"export", gains, "--to", "json", "-o", out, "--vehicle", "uquad"}, 2,
+          "--vehicle is 'uquad', expected ");
   refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,
           "--firmware applies to the parameters of a firmware only");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 2, "no firmware 'px5'");

@@ -159,10 +159,10 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   refused({"fly", "crazyflie", "--compiled"}, 2, "requires --gains DIR");
   refused({"fly", "crazyflie", "--gains", gains, "--compiled"}, 2, "has no flight_code.json");
   refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--estimator", "truth"}, 2,
-          "estimator is 'truth', expected none or 'general'");
+          "estimator is 'truth', expected 'general', which");
   refused(
       {"fly", "crazyflie", "--gains", path("code"), "--compiled", "--controller", "state-feedback"},
-      2, "expected none or 'cascaded-pid'");
+      2, "expected 'cascaded-pid', which the compiled program uses, or to be omitted");
   refused({"fly", "crazyflie", "--gains", path("code"), "--arm"}, 2, "--arm requires --compiled");
   refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--allocation", "clipped"}, 2,
           "compiled requires the default --allocation");

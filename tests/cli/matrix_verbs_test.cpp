@@ -124,6 +124,14 @@ TEST(MatrixMargins, WrongCombinationsAreRefused) {
   args = kMatrixLoop;
   args.insert(args.end(), {"--pid", "1,2,3,4,5"});
   expect_refused(args, "--pid has 5 numbers");
+  expect_refused({"margins", "--A", "0 1; 0 0", "--B", "0; 1"}, "--K or --C is missing");
+  expect_refused(
+      {"margins", "--A", "0 1; 0 0", "--B", "0; 1", "--C", "1 0", "--controller-D", "1 1"},
+      "the controller has 2 inputs and 1 output, expected 1 and 1, because the plant has 1 output "
+      "and 1 input");
+  expect_refused(
+      {"lqr", "--A", "1", "--B", "1", "--Q", "1", "--R", "1", "--sampled", "0.1", "--dt", "0.1"},
+      "--dt cannot be combined with --sampled");
 }
 
 /// Rows of 25/(s³ + 10 s² + 10 s + 10), or of T = L/(1 + L).
@@ -154,7 +162,8 @@ TEST(MeasuredMargins, OfDataAreThoseOfTheLoop) {
     for (const char* key : {"gain_margin_db", "phase_margin_deg", "Ms", "disk_alpha"})
       EXPECT_NEAR(data["loops"][0][key], exact["loops"][0][key], 2e-2) << key;
     EXPECT_EQ(data["samples"], 401);
-    EXPECT_THAT(std::string(data["notes"][0]), HasSubstr("stability is assumed"));
+    EXPECT_THAT(std::string(data["notes"][0]),
+                HasSubstr("the closed loop is assumed to be stable"));
   }
   // The plant was measured, the controller is known.
   const std::string file = folder.write("plant.csv", rows_of_example(false, false)).string();
@@ -186,6 +195,8 @@ TEST(MeasuredMargins, DefectsOfTheFileAreNamedByLine) {
   };
   EXPECT_THAT(message("w,re\n1,2\n"),
               HasSubstr("bad.csv:1: the columns are w, re, expected re and im"));
+  EXPECT_THAT(message("w,re,im,mag,phase_deg\n1,1,0,1,0\n"),
+              HasSubstr("bad.csv:1: the response is given twice"));
   EXPECT_THAT(message("re,im\n"), HasSubstr("bad.csv:1: has no column of frequencies, expected w"));
   EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"),
               HasSubstr("bad.csv:3: the frequency is 1 after 1, expected"));
@@ -403,6 +414,15 @@ TEST(UltimateRules, FromKuAndTu) {
   EXPECT_NEAR(plant["Kp"], 8 / 3.2, 1e-8);
   expect_refused({"pid", "--Ku", "8"}, "--Ku and --Tu belong together");
   expect_refused({"pid", "--Ku", "8", "--Tu", "1", "--rule", "simc"}, "expected one of");
+  expect_refused(
+      {"pid", "--Ku", "8", "--Tu", "3", "--type", "PD"},
+      "quadtune pid: --type is PD, expected P or PI or PID for the rule ziegler-nichols");
+  expect_refused(
+      {"pid", "--num", "1", "--den", "1,3,3,1", "--rule", "amigo", "--type", "P"},
+      "quadtune pid: --type is P, expected PI or PID because the rule has no other types "
+      "(rule amigo)");
+  expect_refused({"pid", "--gains", "1,2,3,0.0001", "--dt", "0.01", "--integrator", "euler"},
+                 "quadtune pid: --gains: Tf is 0.0001 s, expected more than dt/2");
   EXPECT_EQ(run_program({"pid", "--num", "1", "--den", "1,1", "--rule", "pessen"}).status, 4);
 }
 

@@ -215,6 +215,9 @@ TEST(TuneVerb, RefusesInOneLine) {
           3, "did you mean 'height'?");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "hight=height"}, 2,
           "--map: the model 'altitude' has no input or measurement 'hight', expected az or height");
+  refused(
+      {"tune", "kalman", "--model", "altitude", "--log", file, "--method", "als", "--student", "4"},
+      2, "--student cannot be combined with --method als");
   refused({"tune", "kalman", "--model", "attitude", "--log", file, "--map", "tilt=az"}, 3,
           "has no channel 'rate'");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--fix", "R.sona"}, 2,
@@ -440,8 +443,11 @@ TEST(TuneVerb, JudgesErrorsByATruth) {
   const ProgramResult result = tune(log, {"--truth", "z=z@" + truth});
   EXPECT_EQ(result.status, 0) << result.out << result.err;
   EXPECT_THAT(result.out, HasSubstr("errors      z: squared error "));
-  EXPECT_THAT(tune(log, {"--truth", "height=height"}).err,
-              HasSubstr("the model 'altitude' has no state 'height', expected one of z, vz"));
+  const ProgramResult unknown = tune(log, {"--truth", "height=height"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(
+      unknown.err,
+      HasSubstr("--truth: the model 'altitude' has no state 'height', expected one of z, vz"));
 }
 
 TEST(TuneVerb, WritesHostileNamesAsComments) {

@@ -189,7 +189,8 @@ TEST(UsualDesign, RefusesExportsThatDoNotExistOrHoldNoCascade) {
        "crazyflie",
        {"json", "px5"}},
       {"to: 'json' is requested twice, expected once", {"json", "c", "json"}},
-      {"to: 'uquad' holds the gains of a state feedback, expected json, c or a firmware, because "
+      {"to: 'uquad' holds the gains of a state feedback, expected json, mat, c or a firmware, "
+       "because "
        "the design of a vehicle is a cascade",
        {"uquad"}}};
   for (const auto& entry : refused)

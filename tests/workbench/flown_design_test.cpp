@@ -171,7 +171,7 @@ TEST(FlownLqi, LowersTheWeightsOfPositionsForSlowRotors) {
   EXPECT_EQ(design.weights.Q(2, 2), usual.Q(2, 2));
   ASSERT_EQ(design.notes.size(), 2);
   EXPECT_EQ(design.notes[0],
-            "the weights of px and its integral were lowered 4 times for the margins of the flown "
+            "the weights of px and its integral were divided by 4 for the margins of the flown "
             "loop");
 }
 

@@ -70,7 +70,7 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
     throw NoSolution(
         fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
                     to_string(failed.design.status), failed.design.culprit,
-                    held ? "; noise and load peak are those of the published gains" : ""),
+                    held ? "; bounds that no option sets follow from the published gains" : ""),
         where);
   }
   add_margins(report);

@@ -58,10 +58,10 @@ std::vector<std::string> names_of(const std::vector<Signal>& signals) {
 void require_same(const std::vector<std::string>& have, const std::vector<std::string>& want,
                   const std::string& what, const std::string& path) {
   if (std::is_permutation(have.begin(), have.end(), want.begin(), want.end())) return;
-  throw InvalidInput(path,
-                     fmt::format("the gains have the {} '{}', expected '{}' as in the "
-                                 "problem",
-                                 what, internal::joined(have, " "), internal::joined(want, " ")));
+  throw InvalidInput(
+      path, fmt::format("the gains have the {} '{}', expected '{}', which --{} selects", what,
+                        internal::joined(have, " "), internal::joined(want, " "),
+                        what == "integrals" ? "integral" : what));
 }
 
 /// Columns of M, named by `from`, reordered to the target order.

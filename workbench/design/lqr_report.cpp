@@ -92,7 +92,10 @@ VehicleLqrReport lqr_report(LinearVehicle plant, LqrDesign design, MarginsEviden
   const Linearization& model = report.plant.model;
   report.feedback = state_feedback(model.plant, report.design);
   const RiccatiResult& riccati = report.feedback.riccati;
-  if (!riccati.solved()) return report;
+  if (!riccati.solved()) {
+    note(model.notes, report.messages);  // a state that was omitted may be the cause
+    return report;
+  }
   report.gains = make_gains(report.plant.vehicle, model, report.design, report.feedback);
   warn_of(riccati, report.messages);
   note(model.notes, report.messages);

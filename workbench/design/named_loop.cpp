@@ -69,12 +69,23 @@ std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool 
                    "input held";
 }
 
+/// @param dt  control period [s]
+void require_delay(double delay, double dt) {
+  const double max = kMaxDelayPeriods * dt;
+  if (delay > max * (1 + 1e-9))
+    throw OptionError(
+        "delay", fmt::format("delay is {:.6g} s, expected at most {:.6g} s, {} control periods, "
+                             "because each delayed sample is a state of the loop",
+                             delay, max, kMaxDelayPeriods));
+}
+
 NamedLoop vehicle_loop(const FlightOptions& options, double delay) {
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const GivenLaws given = read_given_laws(options.gains);
   require_vehicle(given.laws, vehicle, options.gains);
   if (!given.laws.gains) {
     const CascadeDesign& cascade = *given.laws.cascade;
+    require_delay(delay, cascade.gains.dt);
     const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
     const DiscreteLti plant = cascade_plant(without_lag(vehicle), cascade, options.gains);
     return {OpenLoop(delayed(cut_at_inputs(plant, law), delay)),
@@ -85,6 +96,7 @@ NamedLoop vehicle_loop(const FlightOptions& options, double delay) {
     throw InvalidInput(options.gains,
                        "the gains have no sample period; it is required because the "
                        "flown loop is sampled");
+  require_delay(delay, gains.dt);
   const VerifyModel model = model_of(vehicle, gains);
   return {OpenLoop(delayed(open_loop(model.plant, gains), delay)),
           names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", kStateFeedback};
@@ -94,12 +106,7 @@ FlownLoop flown_vehicle_loop(FlightOptions flight, const std::string& controller
                              const FlownLoopOptions& at) {
   flight.controller = controller;
   const PlannedFlight plan = plan_flight(flight, "margins");
-  const double max = kMaxDelayPeriods * control_period(plan.setup);
-  if (at.command_delay > max * (1 + 1e-9))
-    throw OptionError("delay",
-                      fmt::format("delay is {:.6g} s, expected at most {:.6g} s, {} samples, "
-                                  "because each delayed sample is a state of the loop",
-                                  at.command_delay, max, kMaxDelayPeriods));
+  require_delay(at.command_delay, control_period(plan.setup));
   return flown_loop(plan, at);
 }
 

@@ -35,8 +35,8 @@ const std::string& checked_export(const std::string& name, const std::vector<std
   try {
     if (export_target(name, "").needs_gains)
       refuse(
-          fmt::format("'{}' holds the gains of a state feedback, expected json, c or a "
-                      "firmware, because the design of a vehicle is a cascade",
+          fmt::format("'{}' holds the gains of a state feedback, expected json, mat, c or "
+                      "a firmware, because the design of a vehicle is a cascade",
                       name));
   } catch (const OptionError&) {
     throw;

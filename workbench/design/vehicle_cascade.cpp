@@ -86,9 +86,10 @@ std::vector<Firmware> firmware_of(const CascadeOptions& options) {
                       fmt::format("structure is 'pid', expected p-pi, because {} flies a gain "
                                   "before a PI controller of the rate",
                                   to_string(kind)));
-  return {as_option(details.setup.empty() ? "firmware" : "setup", [&] {
-    return firmware(kind, details, details.setup.empty() ? "firmware" : "setup");
-  })};
+  FirmwareOptions version = details;
+  version.setup.clear();
+  (void)as_option("firmware", [&] { return firmware(kind, version, "firmware"); });
+  return {as_option("setup", [&] { return firmware(kind, details, "setup"); })};
 }
 
 FlownGains cascade_on_flown_plant(const Vehicle& vehicle, const CascadeSpecification& specification,

@@ -161,17 +161,23 @@ bool is_cascade(const PlannedFlight& plan) {
 }
 
 /// The command for the same flight: "quadtune fly mambo --gains x --mission hover".
+/// " --wind light" if there is wind, otherwise empty
+std::string wind_option(const PlannedFlight& plan) {
+  const std::string& wind = plan.options.wind;
+  return wind.empty() || wind == "calm" ? "" : " --wind " + wind;
+}
+
 std::string fly_command(const PlannedFlight& plan) {
   std::string text = "quadtune fly " + vehicle_of(plan);
   if (!plan.options.gains.empty()) text += " --gains " + plan.options.gains;
   if (!plan.options.controller.empty()) text += " --controller " + plan.options.controller;
-  return text + " --mission " + mission_of(plan);
+  return text + " --mission " + mission_of(plan) + wind_option(plan);
 }
 
 /// The command that tunes gains for this mission.
 std::string tune_command(const PlannedFlight& plan) {
-  return fmt::format("quadtune tune {} {} --mission {}", is_cascade(plan) ? "pid" : "lqr",
-                     vehicle_of(plan), mission_of(plan));
+  return fmt::format("quadtune tune {} {} --mission {}{}", is_cascade(plan) ? "pid" : "lqr",
+                     vehicle_of(plan), mission_of(plan), wind_option(plan));
 }
 
 /// The command that shows the flown loop of this law; gains that are in no file must be written
@@ -297,7 +303,9 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
       diagnosis.next = fmt::format("`{}` finds gains within the limits", tune_command(plan));
       return;
     case FlightCause::law:
-      diagnosis.why = fmt::format("the law alone fails: with true states, {}", first_missed(truth));
+      diagnosis.why =
+          fmt::format("the law alone fails{}: with true states, {}",
+                      wind_option(plan).empty() ? "" : " in this wind", first_missed(truth));
       diagnosis.next =
           is_cascade(plan)
               ? fmt::format(

@@ -71,8 +71,8 @@ void take_program(FlightOptions& options) {
   const bool cascade = asked.empty() ? laws.cascade.has_value() : asked == "cascaded-pid";
   const auto take = [](const char* option, std::string& word, const std::string& of_program) {
     if (!word.empty() && word != of_program)
-      throw OptionError(option, fmt::format("{} is '{}', expected none or '{}', which the compiled "
-                                            "program uses",
+      throw OptionError(option, fmt::format("{} is '{}', expected '{}', which the compiled program "
+                                            "uses, or to be omitted",
                                             option, word, of_program));
     word = of_program;
   };

@@ -273,18 +273,18 @@ FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
   for (std::size_t axis = 0; axis < best.softened.size(); ++axis)
     if (best.softened[axis] > 1)
       best.notes.push_back(fmt::format(
-          "the weight of {} was raised {:g} times for the margins of the flown loop",
+          "the weight of {} was multiplied by {:g} for the margins of the flown loop",
           ned_convention().wrench[static_cast<std::size_t>(wrench_of(kFlownAxes[axis]))].name,
           best.softened[axis]));
   for (std::size_t axis = 0; axis < best.lowered.size(); ++axis)
     if (best.lowered[axis] > 1)
-      best.notes.push_back(fmt::format(
-          "the weights of {} and its integral were lowered {:g} times for the margins of the flown "
-          "loop",
-          ned_convention()
-              .states[static_cast<std::size_t>(states_of(kFlownAxes[axis]).front())]
-              .name,
-          best.lowered[axis]));
+      best.notes.push_back(
+          fmt::format("the weights of {} and its integral were divided by {:g} for the margins of "
+                      "the flown loop",
+                      ned_convention()
+                          .states[static_cast<std::size_t>(states_of(kFlownAxes[axis]).front())]
+                          .name,
+                      best.lowered[axis]));
   if (!best.met)
     best.notes.push_back(fmt::format(
         "not every channel has {:.0f} deg of phase margin, {:.1f} dB of gain margin and a disk "

@@ -92,10 +92,11 @@ class SensorWishes {
   JoinedSeries joined_;
 };
 
-void require_three(const std::optional<ChannelNames>& names, const char* sensor) {
+void require_three(const std::optional<ChannelNames>& names, const char* sensor,
+                   const char* expected = "3 (x,y,z) or none") {
   if (names && !names->empty() && names->size() != 3)
-    throw OptionError(sensor, fmt::format("{} lists {}, expected 3 (x,y,z) or none", sensor,
-                                          internal::counted(names->size(), "column")));
+    throw OptionError(sensor, fmt::format("{} lists {}, expected {}", sensor,
+                                          internal::counted(names->size(), "column"), expected));
 }
 
 ImuLog read_log(const std::string& path, const ImuLogOptions& options,
@@ -137,7 +138,12 @@ void require_solved(const SensorCalibration& sensor, const char* name, const std
 }  // namespace
 
 CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
-  require_three(options.channels.accelerometer, "accelerometer");
+  const std::optional<ChannelNames>& accelerometer = options.channels.accelerometer;
+  if (accelerometer && accelerometer->empty())
+    throw OptionError("accelerometer",
+                      "accelerometer is 'none', expected three channels, because every calibration "
+                      "requires the accelerometer");
+  require_three(accelerometer, "accelerometer", "3 (x,y,z)");
   require_three(options.channels.gyroscope, "gyroscope");
   require_three(options.channels.magnetometer, "magnetometer");
   CalibratedImu result;

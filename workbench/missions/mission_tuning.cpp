@@ -53,7 +53,10 @@ MissionTuningPlan plan_mission_tuning(const MissionTuning& tuning,
   MissionTuningPlan plan;
   plan.start = tuning.design(tuning.start);
   if (!plan.start.point.controller)
-    throw NoSolution(who + ": the initial design of the search is unstable", "V");
+    throw NoSolution(who +
+                         ": the design at the start of the search does not stabilize the vehicle; "
+                         "expected other weights or gains at the start",
+                     "V");
   // Rejects loops that do not exist before anything is flown.
   (void)margin_limits(requirements, plan.start.margins, plan.start.margins);
   TrialRequest& request = plan.request;

@@ -42,10 +42,26 @@ struct Element {
   std::optional<Lti> system;
   MatrixXd gain;
 
+  /// Requires the numbers of inputs and outputs with which the loop can be closed.
+  void require_match(const Lti& plant) const {
+    const Eigen::Index inputs = system ? system->B.cols() : gain.cols();
+    const Eigen::Index own = system ? system->C.rows() : gain.rows();
+    const Eigen::Index outputs = plant.C.size() == 0 ? plant.A.rows() : plant.C.rows();
+    if (inputs != outputs || own != plant.B.cols())
+      throw InvalidInput(
+          "controller",
+          fmt::format("the controller has {} and {}, expected {} and {}, because the "
+                      "plant has {} and {}",
+                      internal::counted(inputs, "input"), internal::counted(own, "output"), outputs,
+                      plant.B.cols(), internal::counted(outputs, "output"),
+                      internal::counted(plant.B.cols(), "input")));
+  }
   [[nodiscard]] Lti after(const Lti& plant) const {
+    require_match(plant);
     return system ? series(plant, *system) : series(plant, gain);
   }
   [[nodiscard]] Lti before(const Lti& plant) const {
+    require_match(plant);
     return system ? series(*system, plant) : series(gain, plant);
   }
 };
@@ -127,7 +143,9 @@ std::complex<double> controller_response(const LoopController& controller, doubl
 
 std::vector<std::string> frequency_notes(const FrequencyDataReport& report) {
   std::vector<std::string> notes = {
-      "stability is assumed, because the loop was closed when the data were measured"};
+      "the closed loop is assumed to be stable; this is known only if it was closed when the data "
+      "were "
+      "measured"};
   const auto range = fmt::format("{:.4g} to {:.4g} rad/s", report.w_min, report.w_max);
   if (!report.data.crosses_gain)
     notes.push_back(
@@ -196,7 +214,11 @@ DataColumns columns_of(const std::vector<std::string>& words, const std::string&
   const bool cartesian = columns.re >= 0 && columns.im >= 0;
   const bool polar = given(columns.mag) + given(columns.mag_db) == 1 &&
                      given(columns.phase_deg) + given(columns.phase_rad) == 1;
-  if (cartesian == polar)
+  if (cartesian && polar)
+    throw InvalidInput(where,
+                       "the response is given twice, by re and im and by magnitude and phase; "
+                       "expected only one of the two");
+  if (!cartesian && !polar)
     throw InvalidInput(where, fmt::format("the columns are {}, expected re and im, or one of mag "
                                           "and mag_db with one of phase_deg and phase_rad, in the "
                                           "first line",

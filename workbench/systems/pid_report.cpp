@@ -130,10 +130,16 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
                                           "expected a plant with a delay, or the rule lambda",
                                           rule));
   const double lambda = asked.tau_c.value_or(std::max(model.delay, model.time_constant / 3));
-  const PidGains gains = rule == "amigo"             ? amigo(type, model)
-                         : rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
-                         : rule == "cohen-coon"      ? cohen_coon(type, model)
-                                                     : lambda_tuning(type, model, lambda);
+  PidGains gains;
+  try {
+    gains = rule == "amigo"             ? amigo(type, model)
+            : rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
+            : rule == "cohen-coon"      ? cohen_coon(type, model)
+                                        : lambda_tuning(type, model, lambda);
+  } catch (const InvalidInput& error) {
+    if (!error.message().starts_with("type is")) throw;
+    throw OptionError("type", fmt::format("{} (rule {})", error.message(), rule));
+  }
   return {gains,
           fmt::format("{} by {} for {}{}", to_string(type), rule, model_text(model),
                       rule == "lambda" ? fmt::format(", lambda {} s", short_number(lambda)) : "")};

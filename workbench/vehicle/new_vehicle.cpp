@@ -252,9 +252,9 @@ std::string rotor_text(const MeasuredVehicle& m, const RotorNumbers& rotor,
       "inertia_kg_m2 = {:.3g}            # ESTIMATE: propeller and bell of the motor\n"
       "# {}\nlag_up_s = {:.3g}\nlag_down_s = {:.3g}\n"
       "# ESTIMATE: blade elements\ndrag_N_s2_per_rad_m = {:.4g}\ninflow_N_s2_per_rad_m = {:.4g}\n"
-      "# Left out: the model takes the height of the hubs from that of the centre, which touches "
-      "the "
-      "ground at 0,\n# so rotors above landing gear would float.\nground_effect = false\n\n",
+      "# The ground effect is off: in the model the centre is at height 0 on the ground. On a "
+      "vehicle with\n# landing gear the rotors are higher, so that the effect would be too large.\n"
+      "ground_effect = false\n\n",
       m.propeller / 2, kChordOfRadius * m.propeller / 2, m.blades,
       mark(curve, spread.thrust, "the coefficient of typical propellers of this diameter"),
       rotor.a2, fmt::format("{:.3f}", rotor.d2 / (rotor.a2 * m.propeller)), rotor.d2, rotor.inertia,

@@ -187,7 +187,7 @@ class TextReader final : public LogReader {
     if (names.size() > 1 && names.size() != count)
       condition_.notes.push_back(
           fmt::format("the columns have no names: the comment before the numbers, '{}', has {} "
-                      "fields, expected {}, as many as the rows",
+                      "fields, expected {}, as many as each row",
                       printable(trimmed(comment)), names.size(), count));
     if (names.size() != count) names.clear();
     layout_ = text_layout(names, count, numbers, options, lines_.name());
@@ -384,8 +384,8 @@ class TextReader final : public LogReader {
     for (std::size_t i = 0; i < bad_.size(); ++i)
       if (bad_[i].count > 0)
         condition_.notes.push_back(fmt::format(
-            "'{}': {} of {} {} no number in the range of a double and {} as missing, the first at "
-            "{}",
+            "'{}': {} of {} {} no number, or one that exceeds the range of a double, and {} as "
+            "missing, the first at {}",
             printable(layout_.channels[i].name), bad_[i].count, counted(rows_, "row"),
             bad_[i].count == 1 ? "has" : "have", bad_[i].count == 1 ? "counts" : "count",
             bad_[i].where));

@@ -143,7 +143,7 @@ TEST(RecordOfLog, InterpolatesATruthButNotOverItsGaps) {
                              {{"speed", truth}});
       },
       ThrowsMessage<InvalidInput>(
-          StrEq("a.csv: the model 'constant-velocity' has no state 'speed', "
+          StrEq("truth: the model 'constant-velocity' has no state 'speed', "
                 "expected one of position, velocity")));
 }
 
