@@ -81,13 +81,14 @@ void require_schedule_options(const Options& options) {
 }
 
 /// Rejects --vehicle with a source that belongs to another vehicle.
-void require_vehicle_of_source(const Options& options, const ExportContent& content) {
-  if (options.vehicle.empty()) return;
+///
+/// @param own  the vehicle's name; empty: the source does not state it
+void require_vehicle_of_source(const Options& options, const std::string& own) {
+  if (options.vehicle.empty() || own.empty()) return;
   const std::string given = load_vehicle(options.vehicle).name;
-  if (given != content.vehicle.name)
-    throw OptionError("vehicle",
-                      fmt::format("vehicle is '{}', expected '{}', the vehicle of {}", given,
-                                  content.vehicle.name, internal::printable(options.source)));
+  if (given != own)
+    throw OptionError("vehicle", fmt::format("vehicle is '{}', expected '{}', the vehicle of {}",
+                                             given, own, internal::printable(options.source)));
 }
 
 ExportContent content_of(const Options& options, const Context& context) {
@@ -96,6 +97,7 @@ ExportContent content_of(const Options& options, const Context& context) {
     const DesignOutcome outcome = run_design(options.source);
     require_tuned(outcome, options.force, context);
     ExportContent content = export_content(outcome);
+    require_vehicle_of_source(options, content.vehicle.name);
     content.forced = reasons_against_export(outcome);
     if (!content.forced.empty() && !options.force)
       throw Refusal(
@@ -113,6 +115,7 @@ ExportContent content_of(const Options& options, const Context& context) {
                   options.source);
   GivenLaws given = read_given_laws(options.source);
   require_sampled(given.laws, options.source);
+  require_vehicle_of_source(options, given.laws.vehicle);
   ExportContent content = export_content(std::move(given.laws), options.vehicle, options.source);
   content.forced = forced;
   return content;
@@ -166,11 +169,7 @@ void run_export(const Options& options, Context& context) {
     refuse("export", "--constants", "--constants applies to --to uquad only, not to --to {}",
            options.to);
   if (options.of_schedule()) require_schedule_options(options);
-  ExportContent content = option_of_command("export", [&] {
-    ExportContent made = content_of(options, context);
-    require_vehicle_of_source(options, made);
-    return made;
-  });
+  ExportContent content = option_of_command("export", [&] { return content_of(options, context); });
   content.flight_code = flight_code;
   content.firmware = options.firmware;
   content.uquad_constants = options.constants;

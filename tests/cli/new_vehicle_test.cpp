@@ -57,7 +57,8 @@ TEST(VehicleNew, Asks) {
       run_program({"vehicle", "new", "own", "--ask", "--mass", "1240g"}, "225mm\n");
   EXPECT_EQ(ended.status, 2);
   EXPECT_THAT(ended.err, AllOf(Not(HasSubstr("Mass, ready to fly")),
-                               HasSubstr("new needs --propeller, such as --propeller 9.4in")));
+                               HasSubstr("the answer for --propeller was empty, expected a number "
+                                         "with its unit, such as 9.4in")));
 }
 
 TEST(VehicleNew, RefusesInOneLine) {
