@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "noise/log_gamma.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
@@ -19,7 +20,7 @@ constexpr Index kMinHeldOut = 30;
 
 double log_density(double e, double S, double student) {
   if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
-  return std::lgamma(0.5 * (student + 1)) - std::lgamma(0.5 * student) -
+  return log_gamma(0.5 * (student + 1)) - log_gamma(0.5 * student) -
          0.5 * std::log(std::numbers::pi * student * S) -
          0.5 * (student + 1) * std::log1p(e * e / (student * S));
 }
@@ -66,7 +67,7 @@ double sign_test(Index count, Index hits) {
   const auto n = static_cast<double>(count);
   for (Index k = hits; k <= count; ++k) {
     const auto q = static_cast<double>(k);
-    sum += std::exp(std::lgamma(n + 1) - std::lgamma(q + 1) - std::lgamma(n - q + 1) -
+    sum += std::exp(log_gamma(n + 1) - log_gamma(q + 1) - log_gamma(n - q + 1) -
                     n * std::numbers::ln2);
   }
   return sum;

@@ -14,6 +14,7 @@
 #include "noise/likelihood/steady_pass.hpp"
 #include "noise/likelihood/steady_state.hpp"
 #include "noise/likelihood/tape.hpp"
+#include "noise/log_gamma.hpp"
 
 namespace quadtune::internal {
 
@@ -255,7 +256,7 @@ class ForwardPass {
     const double R = model_.R[static_cast<std::size_t>(i)], square = e * e / S;
     const double weight = (nu + 1) / (nu + square);
     sums.squares += (nu + 1) * std::log(1 + square / nu);
-    sums.constants += std::log(nu / 2) + 2 * (std::lgamma(nu / 2) - std::lgamma(nu / 2 + 0.5));
+    sums.constants += std::log(nu / 2) + 2 * (log_gamma(nu / 2) - log_gamma(nu / 2 + 0.5));
     if (sensitivities_ != nullptr) {
       sensitivities_->add_measurement(e, S, weight);
       sensitivities_->reweight(i, R, weight, nu);
