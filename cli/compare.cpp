@@ -40,7 +40,8 @@ void require_words(const Options& options) {
            flight.vehicle);
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
     refuse("compare", "A",
-           "gains: expected two sets of gains, as for --gains of quadtune fly, e.g. quadtune "
+           "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
+           "e.g. quadtune "
            "compare gains mambo published designed");
 }
 

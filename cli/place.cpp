@@ -74,7 +74,10 @@ void run_place(const Options& options, Context& context) {
   const Eigen::MatrixXd B = require_matrix(options.B, context.in, "place", "--B");
   const PolePlacement placement = place_poles(A, B, poles);
   if (!placement.solved())
-    throw NoSolution(fmt::format("place: {}: {}", to_string(placement.status), placement.culprit),
+    throw NoSolution(fmt::format("place: {}: {}{}", to_string(placement.status), placement.culprit,
+                                 placement.status == PolePlacementStatus::not_controllable
+                                     ? ", and is not one of --poles"
+                                     : ""),
                      "--A");
   if (const std::string pole = unstable_pole(options, poles); !pole.empty())
     context.note(fmt::format("place: warning: the closed loop is unstable: the pole {} is not {}",

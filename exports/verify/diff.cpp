@@ -145,7 +145,7 @@ void compare_dynamics(const Gains& a, const Gains& b, GainsDiff& result) {
 GainsDiff diff(const Gains& a, const Gains& b) {
   validate(a, "diff: first");
   if (a.input_kind != b.input_kind)
-    throw InvalidInput("diff", fmt::format("the first gain commands {}, the second {}, expected "
+    throw InvalidInput("diff", fmt::format("the gain of A commands {}, that of B {}, expected "
                                            "the same kind of inputs",
                                            to_string(a.input_kind), to_string(b.input_kind)));
   const Gains turned = in_convention(b, convention(a.convention, "diff: first"), a.sign_law);

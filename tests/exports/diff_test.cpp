@@ -147,7 +147,7 @@ TEST(Diff, RefusesWhatCannotBeCompared) {
   refusal(a, fewer, "different states (only in the first: x y vqx vqy; only in the second: )");
   Gains other = a;
   other.input_kind = InputKind::rotor_thrust;
-  refusal(a, other, "the first gain commands rotor-speed, the second rotor-thrust");
+  refusal(a, other, "the gain of A commands rotor-speed, that of B rotor-thrust");
   other = a;
   other.inputs[1].unit = "rpm";
   refusal(a, other, "w2 is in 'rad/s' in the first and in 'rpm' in the second");

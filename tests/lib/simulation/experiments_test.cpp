@@ -368,7 +368,8 @@ std::string methods_chapter() {
     quadtune compare integrators mambo --mission hover --gains gains.json --sensors real
 
 The integral of an error e by forward Euler and that by the trapezoidal rule differ by Ts e/2 at
-every sample, because Euler adds at the next sample what the trapezoidal rule has added already.
+every sample, because the trapezoidal rule adds half of Ts e at once and the other half at the next
+sample, and Euler adds all of it at the next sample.
 The P and D terms are equal. Hence the commands differ by Ki Ts e/2, plus the response of the
 vehicle to this difference. For the altitude, the linear equations of the loop predict this
 response: over a climb of 10 cm, in which no limit is reached, they predict the difference of the
@@ -429,7 +430,7 @@ std::string hover_chapter() {
     quadtune compare flow mambo --mission hover --gains gains.json --sensors real --estimator mambo
 
 According to the thesis, the estimated position is wrong by about 20 cm with the simplified flow
-of the model package, and the torque about y oscillates up to 4e-5 N m after 80 s. With the full
+of the Mambo's model project, and the torque about y oscillates up to 4e-5 N m after 80 s. With the full
 motion field, the torque stays below 1.5e-5 N m and the position near the origin.
 
 | gains | sensors | estimator | flow | flight | mean error of the estimated position [m] | maximum torque about y after 80 s [N m] |
@@ -542,11 +543,12 @@ estimated position, with ideal sensors:
   filtered, {} mm raw at 60 Hz. An integral averages by itself and does not need the filter; the
   filter is meant for the velocity that the loops use. The real vehicle filters the velocity, and
   its 4 mm agree with this delay.
-- **60 and 200 Hz.** Both rates preserve the first local minimum of x. The true minimum is {:.1f}
+- **60 and 200 Hz.** In the thesis, the estimate with 60 Hz misses the first local minimum of x,
+  and that with 200 Hz shows it. Here, both rates preserve it. The true minimum is {:.1f}
   mm at {:.2f} s; the estimates are {:.1f} mm at {:.2f} s with 60 Hz and {:.1f} mm at {:.2f} s
   with 200 Hz. A minimum is lost only if it is shorter than a period of the flow, 17 ms at 60 Hz;
-  at 0.3 m/s such a minimum is at most 5 mm long. The minimum in the thesis was caused by the jerk
-  of the arm or by noise; neither is published.
+  at 0.3 m/s such a minimum is at most 5 mm long. Hence the minimum that is lost in the thesis was
+  caused by the jerk of the arm or by noise; neither is published.
 )",
                       figure(mean(Estimator::calibrated, FlowModel::full, 60, true)),
                       figure(mean(Estimator::raw, FlowModel::full, 60, true)), true_x * 1e3, true_t,
@@ -564,7 +566,9 @@ TEST(Experiments, DocumentSaysWhatIsComputed) {
       "Mambo and\nreports the effects. This page repeats the experiments with commands of "
       "quadtune. For each\nexperiment it shows the theoretical prediction, the result, and the "
       "reason for differences.\n\n"
-      "Two sets of gains and two estimators are compared. The designed gains are those of\n"
+      "Two sets of gains and two estimators are compared. The published gains are those of table "
+      "3.3 of the\nthesis, which the commands without `--gains` use. The designed gains are those "
+      "of\n"
       "`quadtune pid mambo --method loops --json -o gains.json`. The original estimator is that "
       "of the\nthesis, which multiplies the flow by 1.15. The calibrated estimator omits this "
       "factor "
