@@ -10,6 +10,7 @@
 
 namespace quadtune::bench {
 
+/// @param values  at least one
 [[nodiscard]] inline double median_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];

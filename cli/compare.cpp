@@ -41,8 +41,7 @@ void require_words(const Options& options) {
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
     refuse("compare", "A",
            "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
-           "e.g. quadtune "
-           "compare gains mambo published designed");
+           "e.g. quadtune compare gains mambo published designed");
 }
 
 void run_compare(Options& options, Context& context) {

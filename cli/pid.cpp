@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -165,9 +166,10 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
     try {
       return ultimate_rule(rule, type, *options.Ku, *options.Tu);
     } catch (const InvalidInput& error) {
-      const bool of_type = error.message().starts_with("type is");
-      throw OptionError(of_type ? "type" : "rule",
-                        of_type ? error.message() : "rule: " + error.message());
+      const std::vector<std::string> known = ultimate_rules();
+      if (std::find(known.begin(), known.end(), rule) == known.end())
+        throw OptionError("rule", "rule: " + error.message());
+      throw OptionError("type", error.message());  // the only other thing that the rule restricts
     }
   });
   print_gains(gains,

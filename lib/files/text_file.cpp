@@ -15,8 +15,9 @@ namespace quadtune::internal {
 namespace {
 
 [[noreturn]] void throw_system_error(const std::string& path) {
-  std::string reason = std::strerror(errno);
-  if (errno == EISDIR) reason += ", expected a file";
+  const int error = errno;
+  std::string reason = std::strerror(error);
+  if (error == EISDIR) reason += ", expected a file";
   throw FileError(path, reason);
 }
 

@@ -417,10 +417,9 @@ TEST(UltimateRules, FromKuAndTu) {
   expect_refused(
       {"pid", "--Ku", "8", "--Tu", "3", "--type", "PD"},
       "quadtune pid: --type is PD, expected P or PI or PID for the rule ziegler-nichols");
-  expect_refused(
-      {"pid", "--num", "1", "--den", "1,3,3,1", "--rule", "amigo", "--type", "P"},
-      "quadtune pid: --type is P, expected PI or PID because the rule has no other types "
-      "(rule amigo)");
+  expect_refused({"pid", "--num", "1", "--den", "1,3,3,1", "--rule", "amigo", "--type", "P"},
+                 "quadtune pid: --rule amigo with --type P: type is P, expected PI or PID because "
+                 "the rule has no other types");
   expect_refused({"pid", "--gains", "1,2,3,0.0001", "--dt", "0.01", "--integrator", "euler"},
                  "quadtune pid: --gains: Tf is 0.0001 s, expected more than dt/2");
   EXPECT_EQ(run_program({"pid", "--num", "1", "--den", "1,1", "--rule", "pessen"}).status, 4);

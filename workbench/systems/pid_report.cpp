@@ -137,8 +137,8 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
             : rule == "cohen-coon"      ? cohen_coon(type, model)
                                         : lambda_tuning(type, model, lambda);
   } catch (const InvalidInput& error) {
-    if (!error.message().starts_with("type is")) throw;
-    throw OptionError("type", fmt::format("{} (rule {})", error.message(), rule));
+    throw OptionError(
+        "rule", fmt::format("rule {} with --type {}: {}", rule, to_string(type), error.message()));
   }
   return {gains,
           fmt::format("{} by {} for {}{}", to_string(type), rule, model_text(model),

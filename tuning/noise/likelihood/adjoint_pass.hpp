@@ -197,7 +197,7 @@ class AdjointPass {
     Vector<8> squares[kRows / 8] = {};
     const Eigen::Index squared = model_.diagonal_noise ? rows : e_rows;
     Square<N>& by_Q = sums.by_Q[steady.transition];
-    const Column<N> last = r_;
+    const Column<N> last = r_;  // after the last sample of the piece
     while (left > 0) {
       const double* r = r_.at;
       int blocks = 0, samples = 0;

@@ -111,8 +111,9 @@ class SteadyPass {
     return true;
   }
 
-  /// The tape is larger than the second-level cache, and a processor may not anticipate writes: how
-  /// many numbers later a line of it is needed.
+  /// The numbers between the present write to the tape and the memory that is requested for a later
+  /// one. The tape is larger than the second-level cache, and not every processor anticipates
+  /// writes.
   static constexpr Eigen::Index kPrefetched = 256;
 
   void run_blocks(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
