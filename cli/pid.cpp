@@ -166,7 +166,7 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
     try {
       return ultimate_rule(rule, type, *options.Ku, *options.Tu);
     } catch (const InvalidInput& error) {
-      const std::vector<std::string> known = ultimate_rules();
+      const std::vector<std::string>& known = ultimate_rules();
       if (std::find(known.begin(), known.end(), rule) == known.end())
         throw OptionError("rule", "rule: " + error.message());
       throw OptionError("type", error.message());  // the only other thing that the rule restricts
