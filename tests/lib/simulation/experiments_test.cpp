@@ -390,10 +390,11 @@ loop](theory/robustness.md#the-flown-loop) predicts the difference of the torque
   row(2, "torque about y [(N m)²]", false);
   text += fmt::format(R"(
 - The difference of the thrust has the same order of magnitude as in the thesis. It is caused by
-  the descent to 1.1 m after the take-off, and the thesis does not state the overshoot of the
-  take-off. The number of the thesis corresponds to an error of {:.1f} cm rms over its 100 s. The
-  simulated difference exceeds the prediction because the integral reaches its limit of 2 m s, and
-  the two integrals leave the limit one sample apart.
+  the descent to 1.1 m after the overshoot of the take-off. The thesis does not state its
+  overshoot, so that only the orders of magnitude can be compared. The number of the thesis
+  corresponds to an error of {:.1f} cm rms over its 100 s. The simulated difference exceeds the
+  prediction because the integral reaches its limit of 2 m s, and the two integrals leave the limit
+  one sample apart.
 - The torques of the thesis correspond to errors of {:.1e} rad in roll and {:.1e} rad in pitch, so
   its sensors had almost no noise. With true states, nothing tilts the vehicle, and the difference
   is 0 up to rounding. With noise, the difference is proportional to the errors that the noise
@@ -537,12 +538,12 @@ estimated position, with ideal sensors:
   errors of the raw velocity at 60 and at 200 Hz. The raw velocity is delayed by half a period of
   the flow and by the wait for the next control period.
 - **Filtered and raw velocity.** The filtered velocity is less accurate than the raw velocity; in
-  the thesis it is more accurate. The filter causes a delay of up to (1 - k)/k = 7 control
-  periods: the complementary filter interprets a lasting acceleration as tilt and removes it, so
-  the velocity filter has only the flow. The same holds with the vehicle's sensors: {} mm
-  filtered, {} mm raw at 60 Hz. An integral averages by itself and does not need the filter; the
-  filter is meant for the velocity that the loops use. The real vehicle filters the velocity, and
-  its 4 mm agree with this delay.
+  the thesis it is more accurate. The velocity filter, whose gain is k = 0.125, causes a delay of
+  up to (1 - k)/k = 7 control periods: the complementary filter interprets a lasting acceleration
+  as tilt and removes it, so the velocity filter has only the flow. The same holds with the
+  vehicle's sensors: {} mm filtered, {} mm raw at 60 Hz. An integral averages by itself and does
+  not need the filter; the filter is meant for the velocity that the loops use. The real vehicle
+  filters the velocity, and its 4 mm agree with this delay.
 - **60 and 200 Hz.** In the thesis, the estimate with 60 Hz misses the first local minimum of x,
   and that with 200 Hz shows it. Here, both rates preserve it. The true minimum is {:.1f}
   mm at {:.2f} s; the estimates are {:.1f} mm at {:.2f} s with 60 Hz and {:.1f} mm at {:.2f} s
@@ -567,12 +568,16 @@ TEST(Experiments, DocumentSaysWhatIsComputed) {
       "quadtune. For each\nexperiment it shows the theoretical prediction, the result, and the "
       "reason for differences.\n\n"
       "Two sets of gains and two estimators are compared. The published gains are those of table "
-      "3.3 of the\nthesis, which the commands without `--gains` use. The designed gains are those "
-      "of\n"
-      "`quadtune pid mambo --method loops --json -o gains.json`. The original estimator is that "
-      "of the\nthesis, which multiplies the flow by 1.15. The calibrated estimator omits this "
-      "factor "
-      "and subtracts\nthe rotation of the body from the flow.\n\n" +
+      "3.3 of the\n"
+      "thesis, which `compare integrators` and `compare flow` use without `--gains`. In the "
+      "experiment with\n"
+      "the flow, the vehicle is carried along a path, so the gains have no effect. The designed "
+      "gains are\n"
+      "those of `quadtune pid mambo --method loops --json -o gains.json`. The original estimator "
+      "is that of\n"
+      "the thesis, which multiplies the flow by 1.15. The calibrated estimator omits this factor "
+      "and\n"
+      "subtracts the rotation of the body from the flow.\n\n" +
           methods_chapter() + hover_chapter() + carried_chapter()));
 }
 
