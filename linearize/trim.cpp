@@ -154,6 +154,9 @@ void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimRe
     result.culprit +=
         fmt::format("push down with {:.3g} N, but it can only lift, with at least {:.3g} N",
                     -thrust, curve.min_thrust());
+  else if (thrust < curve.continued_below())
+    result.culprit += fmt::format("give {:.3g} N, minimum {:.3g} N, its thrust at {:.1f} rad/s",
+                                  thrust, curve.min_thrust(), curve.min_speed());
   else
     result.culprit += fmt::format(
         "turn at {:.1f} rad/s, minimum {:.1f} rad/s: {:.1f} rad/s too slow", curve.speed(thrust),

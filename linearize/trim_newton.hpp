@@ -24,6 +24,8 @@ class RotorCurve {
   [[nodiscard]] double max_thrust() const { return max_thrust_; }
   [[nodiscard]] double min_speed() const { return min_speed_; }
   [[nodiscard]] double max_speed() const { return max_speed_; }
+  /// Thrust at which the linear continuation begins [N]; below it, speed() is constant.
+  [[nodiscard]] double continued_below() const { return join_thrust_; }
 
   template <class T>
   [[nodiscard]] T speed(const T& thrust) const;

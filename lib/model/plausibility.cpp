@@ -22,6 +22,9 @@ struct PlausibleRange {
   [[nodiscard]] bool holds(double value) const { return low <= value && value <= high; }
 };
 
+/// C_T = T / (ρ π R⁴ w²) of propellers.
+constexpr PlausibleRange kThrustCoefficient = {0.002, 0.06};
+
 /// A mistake that multiplies the correct value by `factor`.
 struct Mistake {
   double factor;
@@ -130,6 +133,12 @@ class Search {
                                      {1e3, "the thrust curve may be in mN, or mass_kg in t"},
                                      {1 / 9.81, "the thrust curve may be in kgf"},
                                      {1e3 / 9.81, "the thrust curve may be in gf"}});
+    // A curve from Ct is proportional to the fourth power of the radius.
+    if (kThrustCoefficient.holds(thrust_coefficient()))
+      mistakes.insert(mistakes.end(), {{std::pow(2, 4), "radius_m may be the diameter"},
+                                       {std::pow(39.37, 4), "radius_m may be in inches"},
+                                       {std::pow(1e2, 4), "radius_m may be in cm"},
+                                       {std::pow(1e3, 4), "radius_m may be in mm"}});
     return look("thrust-to-weight at " + max, "", ratio, {1, 10}, mistakes);
   }
 
@@ -157,8 +166,7 @@ class Search {
     const double w = rotor_speed_for_thrust(rotor, thrust_);
     // A propeller may be smaller than half of the available radius: C_T scales with its fourth
     // power.
-    const PlausibleRange coefficient =
-        known ? PlausibleRange{0.002, 0.06} : PlausibleRange{0.0002, 0.06};
+    const PlausibleRange coefficient = known ? kThrustCoefficient : PlausibleRange{0.0002, 0.06};
     const double disc = vehicle_.air_density * std::numbers::pi * std::pow(radius, 4);
     const PlausibleRange range{std::sqrt(thrust_ / (disc * coefficient.high)),
                                std::sqrt(thrust_ / (disc * coefficient.low))};
@@ -175,6 +183,12 @@ class Search {
     look(fmt::format("rotor speed at hover (for a propeller of {} {:.3g} m)",
                      known ? "radius" : "at most", radius),
          "rad/s", w, range, mistakes);
+  }
+
+  /// C_T of the first rotor; not a number if its radius is unknown.
+  [[nodiscard]] double thrust_coefficient() const {
+    const Rotor& rotor = vehicle_.rotors.front();
+    return rotor.thrust_a2 / (vehicle_.air_density * std::numbers::pi * std::pow(rotor.radius, 4));
   }
 
   /// Half the horizontal distance between the two rotors that are closest to each other.

@@ -347,6 +347,16 @@ TEST(Trim, RotorsBelowTheirMinimumSpeedAreReported) {
                                         "13.9 rad/s too slow"));
 }
 
+// Below a thousandth of the maximum speed, the curve of a rotor is continued by a line.
+TEST(Trim, AThrustThatNoSpeedGivesIsReportedAsAThrust) {
+  Vehicle vehicle = plus_quadrotor();
+  for (Rotor& rotor : vehicle.rotors) rotor.thrust_a2 *= 1e12;
+  const TrimResult result = trim(with_limits(vehicle, 0, 1000), hover());
+  EXPECT_EQ(result.status, TrimStatus::rotor_too_slow);
+  EXPECT_THAT(result.culprit, AllOf(HasSubstr("would have to give 4.27 N, minimum "),
+                                    HasSubstr(" N, its thrust at 1.0 rad/s")));
+}
+
 TEST(Trim, ARotorThatWouldHaveToPushDownIsNamed) {
   Vehicle vehicle = plus_quadrotor();
   for (Rotor& rotor : vehicle.rotors) rotor.position.x() -= 0.32;  // all behind the centre of mass

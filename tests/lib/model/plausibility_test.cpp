@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quadtune/model/mixer.hpp"
@@ -128,6 +129,23 @@ TEST(Plausibility, DetectsTheOtherThrustCoefficient) {
     if (figure.quantity.starts_with("rotor speed at hover")) causes.push_back(figure.cause);
   EXPECT_THAT(causes, ::testing::ElementsAre("Ct may be that of T = Ct rho n2 D4, expected that of "
                                              "T = Ct rho pi r4 w2"));
+}
+
+// A thrust curve from Ct is proportional to the fourth power of the radius.
+TEST(Plausibility, FindsAWrongRadiusBehindTheThrustCurve) {
+  const std::pair<double, std::string> wrong[] = {{2, "radius_m may be the diameter"},
+                                                  {39.37, "radius_m may be in inches"},
+                                                  {100, "radius_m may be in cm"},
+                                                  {1000, "radius_m may be in mm"}};
+  for (const auto& [factor, cause] : wrong) {
+    Vehicle vehicle = load_vehicle("mambo");
+    scale(vehicle, &Rotor::radius, factor);
+    scale(vehicle, &Rotor::thrust_a2, std::pow(factor, 4));
+    std::vector<std::string> causes;
+    for (const Implausibility& figure : find_implausible_values(vehicle))
+      if (figure.quantity.starts_with("thrust-to-weight")) causes.push_back(figure.cause);
+    EXPECT_THAT(causes, ::testing::ElementsAre(cause));
+  }
 }
 
 // Thrust is often measured for the whole vehicle.
