@@ -192,7 +192,7 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
     return read_weights_of_each(table, key, std::ssize(names), what + joined(names), range);
   };
   if (table.has("integral")) lqi.integrals = read_names(table, "integral", states);
-  if (table.has("dt_s")) lqi.dt = table.number("dt_s", Range::positive());
+  if (table.has("dt_s")) lqi.dt = table.number("dt_s", internal::kControlPeriods);
   lqi.Q = weights("Q", states, "states: ", Range::not_negative());
   lqi.Q_integral = weights("Q_integral", lqi.integrals,
                            "integrals: ", lqi.matrix ? Range::positive() : Range::not_negative());
@@ -249,7 +249,7 @@ LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle,
                                      Range::not_negative());
   lqr.method = lqr_method(table.text("method"), table.where("method"));
   if (lqr.method != LqrMethod::continuous || table.has("dt_s"))
-    lqr.dt = table.number("dt_s", Range::positive());
+    lqr.dt = table.number("dt_s", internal::kControlPeriods);
   return lqr;
 }
 
@@ -369,7 +369,7 @@ CascadeDesign read_cascade(const TomlTable& table) {
                            fmt::format("[cascade] has gains of {} in addition to [cascade.design], "
                                        "expected only one of them",
                                        name));
-    cascade.gains.dt = table.number("dt_s", Range::positive());
+    cascade.gains.dt = table.number("dt_s", internal::kControlPeriods);
     const CascadeSpecification asked =
         internal::read_cascade_specification(*wanted, cascade.gains.dt);
     if (wanted->has("rate_lead_s")) {

@@ -37,7 +37,7 @@ std::vector<TomlKey> cascade_gain_keys() {
 
 CascadeGains read_cascade_gains(const TomlTable& table) {
   CascadeGains gains;
-  gains.dt = table.number("dt_s", Range::positive());
+  gains.dt = table.number("dt_s", kControlPeriods);
   for (const CascadeAxis axis : kAllCascadeAxes) {
     PidLoop loop = cascade_loop(axis);
     const TomlTable numbers = table.table(loop.name);

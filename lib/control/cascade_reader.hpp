@@ -6,8 +6,13 @@
 
 #include "quadtune/cascade.hpp"
 #include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/loop_limits.hpp"
 
 namespace quadtune::internal {
+
+/// The control periods that dt_s of a law may have.
+inline constexpr Range kControlPeriods = {kMinControlPeriod, Range::Bound::closed,
+                                          kMaxControlPeriod, Range::Bound::closed};
 
 /// The keys of a table that read_cascade_gains() reads.
 [[nodiscard]] std::vector<TomlKey> cascade_gain_keys();

@@ -11,13 +11,13 @@
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
-#include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/pack.hpp"
@@ -267,9 +267,9 @@ void calibrate_flow(FlightSetup& setup) {
 
 void validate(const FlightSetup& setup) {
   const double dt = control_period(setup);
-  if (!(dt >= 1e-4 && dt <= 1))
-    throw InvalidInput("flight",
-                       fmt::format("dt is {} s, expected a control period of 0.0001 to 1 s", dt));
+  if (!(dt >= kMinControlPeriod && dt <= kMaxControlPeriod))
+    throw InvalidInput("flight", fmt::format("dt is {} s, expected a control period of {} to {} s",
+                                             dt, kMinControlPeriod, kMaxControlPeriod));
   if (!(setup.step > 0 && dt / setup.step <= 1e6) || !std::isfinite(setup.step))
     throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0 and at least "
                                              "a millionth of the control period, {} s",

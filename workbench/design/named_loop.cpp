@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "quadtune/control/cascade_law.hpp"
-#include "quadtune/delay_limit.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"

@@ -10,6 +10,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/simulation/uquad_flight.hpp"
 #include "quadtune/workbench/firmware/firmware_law.hpp"
 #include "quadtune/workbench/flight/sensor_words.hpp"
@@ -165,14 +166,18 @@ void require_flow_sensor(const FlightOptions& options, const FlightSetup& setup)
   if (options.flow_rate && setup.flow == FlowModel::off) refuse("flow-rate", "the flow is off");
 }
 
-/// Rejects numbers of the options that validate() would reject.
-void require_sane_times(const FlightSetup& setup) {
+/// Rejects numbers of the options, and periods of the gains, that validate() would reject.
+void require_sane_times(const FlightOptions& options, const FlightSetup& setup) {
   const auto refuse = [&](const char* option, double value, const std::string& expected) {
     throw OptionError(option,
                       fmt::format("{} is {}, expected {}", option, number(value), expected));
   };
   const double dt = control_period(setup);
   if (!(dt > 0)) return;
+  if (!options.gains.empty() && !(dt >= kMinControlPeriod && dt <= kMaxControlPeriod))
+    throw InvalidInput(options.gains,
+                       fmt::format("the control period of the law is {} s, expected {} to {} s",
+                                   number(dt), kMinControlPeriod, kMaxControlPeriod));
   if (dt / setup.step > 1e6)
     refuse("step", setup.step,
            fmt::format("at least a millionth of the control period, {} s", number(dt)));
@@ -332,7 +337,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   setup.integrator = words.solver;
   setup.step = options.step.value_or(setup.step);
   setup.seed = options.seed;
-  require_sane_times(setup);
+  require_sane_times(options, setup);
   validate(setup);
   flight.bound = mission_bound(setup);
   if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);

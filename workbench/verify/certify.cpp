@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/model/vehicle_spread.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"

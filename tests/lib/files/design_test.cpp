@@ -362,7 +362,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "d.toml:8: lqr.states has 'roll', expected names from x y z psi"},
         Refusal{"StatesWord", 8, "states = 'no-postion'", "did you mean 'no-position'?"},
         Refusal{"SampleTime", 14, "dt_s = 0",
-                "d.toml:14: dt_s in [lqr] is 0, expected more than 0"},
+                "d.toml:14: dt_s in [lqr] is 0, expected 0.0001 or more and 1 or less"},
         Refusal{"SampleTimeUnit", 14, "dt_ms = 10",
                 "d.toml:14: key 'dt_ms' in [lqr] is not known, "
                 "expected 'dt_s' (the unit is part of the key)"},

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/delay_limit.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/lti.hpp"
 
 namespace quadtune {
