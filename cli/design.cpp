@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "arguments/flight_arguments.hpp"
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"

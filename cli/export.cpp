@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "arguments/flight_arguments.hpp"
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -150,11 +149,8 @@ void require_firmware_options(const Options& options, const ExportKind& kind) {
       refuse("export", option, "{} applies to the parameters of a firmware only, not to --to {}",
              option, options.to);
   if (!is_firmware) return;
-  const FirmwareKind firmware_of = firmware_kind(kind.name(), "--to");
-  FirmwareOptions version = options.firmware;
-  version.setup.clear();
-  (void)firmware(firmware_of, version, "--firmware");
-  (void)firmware(firmware_of, options.firmware, "--setup");
+  const FirmwareKind target = firmware_kind(kind.name(), "--to");
+  option_of_command("export", [&] { (void)firmware_of_options(target, options.firmware); });
 }
 
 void run_export(const Options& options, Context& context) {
@@ -217,9 +213,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--to NAME", options.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
-  line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle, if the one that the gains name is neither built in nor, for an "
-                  "export, found nearby");
+  line.add_option(
+      "--vehicle V", options.vehicle,
+      "the vehicle, if the one that the gains name is neither built in nor, if SOURCE is "
+      "an export, found nearby");
   line.add_option("--name NAME", options.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");

@@ -10,6 +10,7 @@
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/loop_limits.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 #include "report/loops/loops.hpp"
 
@@ -53,10 +54,8 @@ Firmware agreed(const Firmware& asked, const Firmware& written, const Options& o
 void run_import(const Options& options, Context& context) {
   require_complete(options);
   const FirmwareKind kind = firmware_kind(options.firmware, "FIRMWARE");
-  FirmwareOptions version = options.version;
-  version.setup.clear();
-  (void)firmware(kind, version, "--firmware");
-  Firmware target = firmware(kind, options.version, "--setup");
+  Firmware target =
+      option_of_command("import", [&] { return firmware_of_options(kind, options.version); });
   std::optional<ParameterFile> file;
   if (!options.defaults) {
     const std::string text = internal::read_text_file(options.file, kLargestFile);
@@ -67,9 +66,9 @@ void run_import(const Options& options, Context& context) {
                                target.version));
     file = parse_parameters(target, text, options.file);
   }
-  constexpr double kMin = 1e-4, kMax = 1;
-  if (options.dt && !(*options.dt >= kMin && *options.dt <= kMax))
-    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMin, kMax);
+  if (options.dt && !(*options.dt >= kMinControlPeriod && *options.dt <= kMaxControlPeriod))
+    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMinControlPeriod,
+           kMaxControlPeriod);
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const FirmwareImport import =
       import_parameters(target, vehicle, file, options.dt.value_or(kFirmwarePeriod));

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
 #include "arguments/loop_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"

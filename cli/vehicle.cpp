@@ -11,7 +11,6 @@
 #include <tuple>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

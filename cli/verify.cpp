@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

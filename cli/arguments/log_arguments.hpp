@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "arguments/flight_arguments.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/logs/log_reader.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"

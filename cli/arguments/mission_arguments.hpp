@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/workbench/missions/mission_requirements.hpp"
 #include "quadtune/workbench/missions/mission_tuning.hpp"
 

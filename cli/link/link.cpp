@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "arguments/flight_arguments.hpp"
 #include "arguments/log_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"

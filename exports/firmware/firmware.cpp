@@ -99,6 +99,20 @@ Firmware firmware(FirmwareKind kind, const FirmwareOptions& options, const std::
   return result;
 }
 
+Firmware firmware_of_options(FirmwareKind kind, const FirmwareOptions& options) {
+  const auto read = [kind](const char* option, const FirmwareOptions& read_options) {
+    try {
+      return firmware(kind, read_options, option);
+    } catch (const InvalidInput& error) {
+      throw OptionError(option, error.what());
+    }
+  };
+  FirmwareOptions version = options;
+  version.setup.clear();
+  (void)read("firmware", version);
+  return read("setup", options);  // the version is valid
+}
+
 std::string parameter_file_name(FirmwareKind kind) {
   switch (kind) {
     case FirmwareKind::px4:

@@ -230,7 +230,7 @@ void require_target(ExportArguments& given, const ExportKind& kind) {
       throw OptionError(
           name, fmt::format("{} is for the parameters of a firmware, expected none with to='{}'",
                             name, given.to));
-  if (is_firmware) (void)firmware(firmware_kind(kind.name(), "to"), given.firmware, "firmware");
+  if (is_firmware) (void)firmware_of_options(firmware_kind(kind.name(), "to"), given.firmware);
   const std::pair<const char*, bool> of_uquad[] = {
       {"imu_calibration", !given.imu_calibration.empty()}, {"constants", given.constants}};
   for (const auto& [name, came] : of_uquad)

@@ -72,24 +72,19 @@ std::vector<Firmware> firmware_of(const CascadeOptions& options) {
             key, fmt::format("{} is given without a firmware, expected --for as well", key));
     return {};
   }
-  const auto as_option = [](const char* key, const auto& read) {
+  const FirmwareKind kind = [&] {
     try {
-      return read();
+      return firmware_kind(*options.for_firmware, "for");
     } catch (const InvalidInput& error) {
-      throw OptionError(key, error.what());
+      throw OptionError("for", error.what());
     }
-  };
-  const FirmwareKind kind =
-      as_option("for", [&] { return firmware_kind(*options.for_firmware, "for"); });
+  }();
   if (options.structure.value_or("p-pi") == "pid" && structure_of(kind) == CascadeStructure::p_pi)
     throw OptionError("structure",
                       fmt::format("structure is 'pid', expected p-pi, because {} flies a gain "
                                   "before a PI controller of the rate",
                                   to_string(kind)));
-  FirmwareOptions version = details;
-  version.setup.clear();
-  (void)as_option("firmware", [&] { return firmware(kind, version, "firmware"); });
-  return {as_option("setup", [&] { return firmware(kind, details, "setup"); })};
+  return {firmware_of_options(kind, details)};
 }
 
 FlownGains cascade_on_flown_plant(const Vehicle& vehicle, const CascadeSpecification& specification,

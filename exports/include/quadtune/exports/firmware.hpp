@@ -41,6 +41,9 @@ namespace quadtune {
 ///                       setup does not exist
 [[nodiscard]] Firmware firmware(FirmwareKind kind, const FirmwareOptions& options,
                                 const std::string& where);
+/// As firmware(), for the options --firmware and --setup of a command.
+/// @throws OptionError  "firmware" or "setup", the option that is wrong
+[[nodiscard]] Firmware firmware_of_options(FirmwareKind kind, const FirmwareOptions& options);
 
 /// The name of the file that an export of this firmware writes.
 [[nodiscard]] std::string parameter_file_name(FirmwareKind kind);
