@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
-#include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
@@ -24,11 +24,10 @@ struct Options {
   bool show_sampled = false;
 };
 
-/// The filter, and with --sampled the matrices per step.
+/// The filter, and with --sampled the problem that it solves.
 struct Solution {
   KalmanResult filter;
-  std::optional<SampledNoise> sampled = {};
-  Eigen::MatrixXd R = {};  // of a sample
+  std::optional<SampledKalman> sampled = {};
 };
 
 Solution solve(const Options& options, std::istream& in) {
@@ -48,12 +47,9 @@ Solution solve(const Options& options, std::istream& in) {
   model.C = need(options.C, "--C");
   const std::optional<double>& sampled = options.time.sampled;
   if (!sampled) return {kalman(model, noise)};
-  Solution solution = {kalman_sampled(model, noise, *sampled)};
-  const Eigen::MatrixXd density =
-      noise.G.size() ? Eigen::MatrixXd(noise.G * noise.Q * noise.G.transpose()) : noise.Q;
-  solution.sampled = sampled_noise(model.A, density, *sampled);
-  solution.R = noise.R / *sampled;
-  return solution;
+  SampledKalman problem = sampled_kalman(model, noise, *sampled);
+  KalmanResult filter = kalman(problem.model, problem.noise);
+  return {std::move(filter), std::move(problem)};
 }
 
 void add_options(CommandLine& line, Options& options) {
@@ -95,17 +91,17 @@ void run_kalman(const Options& options, Context& context) {
       [&] {
         internal::Json json = to_json(result, period);
         if (solution.sampled)
-          json["sampled"] = {{"A", internal::matrix_to_json(solution.sampled->A, "A")},
-                             {"Q", internal::matrix_to_json(solution.sampled->Q, "Q")},
-                             {"R", internal::matrix_to_json(solution.R, "R")}};
+          json["sampled"] = {{"A", internal::matrix_to_json(solution.sampled->model.A, "A")},
+                             {"Q", internal::matrix_to_json(solution.sampled->noise.Q, "Q")},
+                             {"R", internal::matrix_to_json(solution.sampled->noise.R, "R")}};
         return json;
       },
       [&] {
         std::string text = to_text(result, period);
         if (!options.show_sampled) return text;
-        return text + section("sampled A", plain(solution.sampled->A)) +
-               section("sampled Q", plain(solution.sampled->Q)) +
-               section("sampled R", plain(solution.R));
+        return text + section("sampled A", plain(solution.sampled->model.A)) +
+               section("sampled Q", plain(solution.sampled->noise.Q)) +
+               section("sampled R", plain(solution.sampled->noise.R));
       });
 }
 

@@ -2,7 +2,6 @@
 /// LQR, LQI and Kalman filters of matrices.
 #include <fmt/format.h>
 
-#include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/kalman.hpp"
@@ -97,11 +96,10 @@ SteadyFilter filter_of_matrices(Matrix A, Matrix C, Matrix Q, Matrix R, std::opt
     model.A = std::move(A);
     model.C = std::move(C);
     if (!sampled) return {kalman(model, noise), 0};
-    SteadyFilter filter{kalman_sampled(model, noise, *sampled), *sampled};
-    const Matrix density =
-        noise.G.size() ? Matrix(noise.G * noise.Q * noise.G.transpose()) : noise.Q;
-    SampledNoise per_step = sampled_noise(model.A, density, *sampled);
-    filter.sampled = {std::move(per_step.A), std::move(per_step.Q), noise.R / *sampled};
+    SampledKalman problem = sampled_kalman(model, noise, *sampled);
+    SteadyFilter filter{kalman(problem.model, problem.noise), *sampled};
+    filter.sampled = {std::move(problem.model.A), std::move(problem.noise.Q),
+                      std::move(problem.noise.R)};
     return filter;
   });
 }

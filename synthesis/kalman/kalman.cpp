@@ -45,6 +45,16 @@ void require_covariance(const KalmanNoise& noise) {
                             min));
 }
 
+void require_not_negative(const Eigen::MatrixXd& covariance, const char* where, const char* name) {
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance, Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  if (eigenvalues.minCoeff() < -1e-12 * eigenvalues.cwiseAbs().maxCoeff())
+    throw InvalidInput(where, fmt::format("{} has eigenvalue {:.6g}, expected none below 0 because "
+                                          "it is a covariance",
+                                          name, eigenvalues.minCoeff()));
+}
+
 template <class Lti>
 StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   const char* where = "kalman";
@@ -74,13 +84,8 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   require_finite(noise.N, where, "N");
   require_symmetric(noise.Q, where, "Q");
   require_symmetric(noise.R, where, "R");
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(noise.Q, Eigen::EigenvaluesOnly);
-  const double min = eigen.eigenvalues().minCoeff();
-  if (min < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
-    throw InvalidInput(where,
-                       fmt::format("Q has eigenvalue {:.6g}, expected none below 0 because it "
-                                   "is a covariance",
-                                   min));
+  require_not_negative(noise.Q, where, "Q");
+  require_not_negative(noise.R, where, "R");
   if (noise.N.size()) require_covariance(noise);
   StateNoise mapped;
   mapped.W = G * noise.Q * G.transpose();
@@ -160,20 +165,26 @@ KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise,
   return from_dual(solve_dual(care, model, mapped, noise.R, options));
 }
 
-KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt,
-                            const RiccatiOptions& options) {
+SampledKalman sampled_kalman(const ContinuousLti& model, const KalmanNoise& noise, double dt) {
   const StateNoise mapped = check_and_map(model, noise);
   if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
     throw InvalidInput("kalman",
-                       "N is not zero, expected no N with --sampled because white noise "
-                       "that is held over a sample has no cross term");
+                       "N is not zero, expected no cross-covariance of the noise of a sampled "
+                       "problem, because white noise that is held over a sample has none");
   const SampledNoise sampled = sampled_noise(model.A, mapped.W, dt);
-  DiscreteLti discrete;
-  discrete.A = sampled.A;
-  discrete.C = model.C;
-  discrete.dt = dt;
-  discrete.states = model.states;
-  return kalman(discrete, {{}, sampled.Q, noise.R / dt, {}}, options);
+  SampledKalman result;
+  result.model.A = sampled.A;
+  result.model.C = model.C;
+  result.model.dt = dt;
+  result.model.states = model.states;
+  result.noise = {{}, sampled.Q, noise.R / dt, {}};
+  return result;
+}
+
+KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt,
+                            const RiccatiOptions& options) {
+  const SampledKalman sampled = sampled_kalman(model, noise, dt);
+  return kalman(sampled.model, sampled.noise, options);
 }
 
 }  // namespace quadtune

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "quadtune/discretize/van_loan.hpp"
@@ -12,6 +14,19 @@
 
 namespace quadtune {
 namespace {
+
+/// Rejects an indefinite R by the eigenvalue of R itself, before it is sampled. Other mistakes are
+/// left to sampled_cost().
+void require_not_indefinite(const Eigen::MatrixXd& R) {
+  if (R.rows() != R.cols() || R.size() == 0 || !R.allFinite() || !R.isApprox(R.transpose())) return;
+  if (Eigen::LLT<Eigen::MatrixXd>(R).info() == Eigen::Success) return;
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(R, Eigen::EigenvaluesOnly).eigenvalues();
+  if (eigenvalues.minCoeff() < -1e-12 * eigenvalues.cwiseAbs().maxCoeff())
+    throw InvalidInput("sample", fmt::format("R has eigenvalue {:.6g}, expected R >= 0, because a "
+                                             "negative weight rewards a deviation; check the signs",
+                                             eigenvalues.minCoeff()));
+}
 
 RiccatiOptions for_regulator(RiccatiOptions options, const std::vector<Signal>& states,
                              Eigen::Index nx) {
@@ -62,6 +77,7 @@ RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights,
 
 SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt) {
   validate(plant, "sample");
+  require_not_indefinite(weights.R);
   const SampledCost cost = sampled_cost(plant.A, plant.B, weights.Q, weights.R, weights.N, dt);
   SampledLqr sampled;
   sampled.plant = {cost.A, cost.B, plant.C, plant.D, dt, plant.states, plant.inputs, plant.outputs};

@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/synthesis/delayed_lqi.hpp"
@@ -181,17 +180,7 @@ MatrixLqgReport matrix_lqg(const MatrixLqgProblem& problem) {
     discrete.A = sampled.plant.A;
     discrete.B = sampled.plant.B;
     weights = sampled.weights;
-    if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
-      throw InvalidInput("lqg",
-                         "the noise has a cross term, expected none for a sampled problem "
-                         "because white noise that is held over a sample has none");
-    const Index nx = problem.A.rows();
-    const Index nw = noise.G.size() ? noise.G.cols() : nx;
-    if (noise.G.size()) require_shape(noise.G, nx, nw, "lqg", "G", "A is " + shape(problem.A));
-    require_shape(noise.Q, nw, nw, "lqg", "the process noise", fmt::format("{} sources", nw));
-    const MatrixXd density =
-        noise.G.size() ? MatrixXd(noise.G * noise.Q * noise.G.transpose()) : noise.Q;
-    noise = {{}, sampled_noise(problem.A, density, problem.dt).Q, noise.R / problem.dt, {}};
+    noise = sampled_kalman(plant, noise, problem.dt).noise;
   }
   take_regulator(lqg_regulator(discrete, weights, noise, problem.estimate), discrete, report);
   return report;

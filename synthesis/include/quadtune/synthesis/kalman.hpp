@@ -58,14 +58,24 @@ struct KalmanResult {
 [[nodiscard]] KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise,
                                   const RiccatiOptions& options = {});
 
-/// Computes the discrete filter of a continuous model that is measured every dt seconds. A and G Q
-/// Gᵀ are sampled exactly, and R [unit² s] becomes R / dt.
-/// @param model    nx states
-/// @param noise    spectral densities; N empty or zero
-/// @param dt       sample period [s], > 0
-/// @param options  as for kalman()
+/// A continuous model that is measured every dt seconds, as a discrete one.
+struct SampledKalman {
+  DiscreteLti model;  ///< A and C
+  KalmanNoise noise;  ///< Q (nx × nx) and R per step; G and N are empty
+};
+
+/// Samples A and G Q Gᵀ exactly; R [unit² s] becomes R / dt.
+/// @param model  nx states
+/// @param noise  spectral densities; N empty or zero
+/// @param dt     sample period [s], > 0
 /// @throws InvalidInput  as kalman(), if N is not zero, or if dt is out of range
 /// Source: Van Loan 1978.
+[[nodiscard]] SampledKalman sampled_kalman(const ContinuousLti& model, const KalmanNoise& noise,
+                                           double dt);
+
+/// Computes the filter of sampled_kalman().
+/// @param model, noise, dt  as for sampled_kalman()
+/// @param options           as for kalman()
 [[nodiscard]] KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise,
                                           double dt, const RiccatiOptions& options = {});
 
