@@ -6,7 +6,6 @@
 
 #include <optional>
 
-#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
@@ -80,8 +79,8 @@ void add_options(CommandLine& line, Options& options) {
       "delay plus its jitter and one period)");
   line.add_option(
       "--lag LOW:HIGH", options.lag,
-      "time constant of the motors [s] (default: that of the vehicle, the larger one of "
-      "two, with its [spread])");
+      "time constant of the motors [s] (default: that of the vehicle, the larger one if "
+      "the file has two, with its [spread])");
   line.add_option("--controller NAME", options.controller,
                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent");
   line.add_option(

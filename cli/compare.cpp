@@ -34,10 +34,13 @@ void require_words(const Options& options) {
     refuse("compare", "WHAT",
            "unknown comparison '{}'; expected integrators, flow, filter or gains{}", options.what,
            internal::did_you_mean(options.what, known));
-  if (options.what == "flow" && flight.flow.empty() && !flight.vehicle.empty() &&
-      !load_vehicle(flight.vehicle).sensors.flow)
-    refuse("compare", "V", "flow: '{}' has no optical flow sensor, expected a vehicle with one",
-           flight.vehicle);
+  const bool needs_sensors = options.what == "flow" || options.what == "filter";
+  if (needs_sensors && !flight.vehicle.empty())
+    if (const std::string missing = missing_sensor(options.what, flight.estimator.empty(),
+                                                   load_vehicle(flight.vehicle).sensors);
+        !missing.empty())
+      refuse("compare", "V", "{}: '{}' has no {}, expected a vehicle with one", options.what,
+             flight.vehicle, missing);
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
     refuse("compare", "A",
            "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
@@ -51,8 +54,17 @@ void run_compare(Options& options, Context& context) {
     return flight_pair(options.what, options.flight, {options.first, options.second});
   });
   if (options.flight.vehicle.empty()) refuse("compare", "V", "expected a vehicle");
-  std::array<PlannedFlight, 2> plans =
-      option_of_command("compare", [&] { return plan_both(pair, "compare"); });
+  std::array<PlannedFlight, 2> plans = option_of_command("compare", [&] {
+    try {
+      return plan_both(pair, "compare");
+    } catch (const OptionError& error) {
+      // The comparison has set this option, not the user.
+      const bool compared = error.option() == pair.option ||
+                            error.option().starts_with(pair.option + " ");  // and the word
+      if (options.what == "gains" || !compared) throw;
+      refuse("compare", "WHAT", "{}: {}", options.what, error.what());
+    }
+  });
   context.notes("compare: note: ", plans[0].notes);
   const ComparedFlights compared = fly_both(pair, std::move(plans), interrupted);
   context.print([&] { return to_json(compared); }, [&] { return to_text(compared); });

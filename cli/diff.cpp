@@ -19,7 +19,8 @@ struct Options {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("A", options.a, "an export's directory, a file of gains or a design file");
-  line.add_option("B", options.b, "another such directory or file");
+  line.add_option("B", options.b,
+                  "an export's directory, a file of gains or a design file to compare with");
 }
 
 void run_diff(Options& options, Context& context) {

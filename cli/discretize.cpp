@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
 #include "arguments/plot_argument.hpp"
@@ -33,14 +32,17 @@ struct Options {
 // --- reading -------------------------------------------------------------------------------------
 
 void refuse_mixtures(const CommandLine& line, const Options& options) {
-  if (options.is_fraction())
+  if (options.is_fraction()) {
     line.refuse_given(
-        {"--A", "--B", "--C", "--D", "--input-delay", "--output-delay"},
+        {"--A", "--B", "--C", "--D"},
         "cannot be combined with --num and --den; expected matrices or a transfer function");
-  else
+    line.refuse_given({"--input-delay", "--output-delay"},
+                      "requires --A and --B; use --delay for a transfer function");
+  } else {
     line.refuse_given(
         {"--delay"},
         "requires --num and --den; use --input-delay or --output-delay for a plant of matrices");
+  }
   if (options.inverse)
     line.refuse_given({"--input-delay", "--output-delay"},
                       "cannot be combined with --inverse, because the delays of a discrete plant "

@@ -186,11 +186,15 @@ void run_lqr(const CommandLine& line, Options& options, Context& context) {
     run_vehicle(line, options, context);
     return;
   }
-  line.refuse_given(
-      {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention", "--inputs",
-       "--states", "--integral", "--method", "--schedule", "--plant", "--change", "--past",
-       "--estimator", "--sensors", "--height", "--structure"},
-      "applies to a vehicle only; use --discrete or --sampled DT with matrices");
+  line.refuse_given({"--method"},
+                    "applies to a vehicle only; use --discrete or --sampled DT with matrices");
+  line.refuse_given({"--integral"},
+                    "applies to a vehicle only; use --C, the outputs that are integrated, with "
+                    "matrices");
+  line.refuse_given({"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw",
+                     "--convention", "--inputs", "--states", "--schedule", "--plant", "--change",
+                     "--past", "--estimator", "--sensors", "--height", "--structure"},
+                    "applies to a vehicle only");
   run_matrices(options, context);
 }
 
@@ -201,7 +205,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option(
       "--Q FILE|LIST", options.vehicle.Q,
       "state weights: a matrix file, or with V a list with the integrals last; a single number "
-      "applies to all; default with V: Bryson's rule, on the ideal plant 1");
+      "applies to all; default with V: Bryson's rule, or 1 on the ideal plant");
   line.add_option(
       "--R FILE|LIST", options.vehicle.R,
       "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is nonsingular");

@@ -289,7 +289,7 @@ void add_loop_options(CommandLine& line, Options& options) {
   line.add_option("--K FILE", options.K, "gain of u = -K x (nu x nx)");
   line.add_option(
       "--C FILE", options.C,
-      "outputs (ny x nx), in place of K: A, B, C, D are the loop or, with a controller, "
+      "outputs (ny x nx); in place of K, so that A, B, C, D are the loop or, with a controller, "
       "the plant");
   line.add_option("--D FILE", options.D, "feed-through (ny x nu); default: 0");
   add_controller_options(line, options.controller);

@@ -24,6 +24,14 @@ void require_format(const std::string& format, const std::string& verb) {
            internal::joined(known, ", "), internal::did_you_mean(format, known));
 }
 
+/// Rejects an option that applies to text only.
+void refuse_with_format(const std::string& format, const char* option, const std::string& verb) {
+  if (!format.empty() && format != "text")
+    refuse(verb, option,
+           "{} cannot be combined with --format {}, which defines its own columns and times",
+           option, format);
+}
+
 std::optional<double> ticks_of(const std::string& unit) {
   if (unit == "s") return 1;
   if (unit == "ms") return 1e3;
@@ -50,6 +58,8 @@ LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
   if (!arguments.columns.empty())
     options.columns = parse_log_columns(arguments.columns, "--columns");
   options.rate_hz = arguments.rate_hz.value_or(0);
+  if (arguments.rate_hz) refuse_with_format(options.format, "--rate", verb);
+  if (!arguments.columns.empty()) refuse_with_format(options.format, "--columns", verb);
   return options;
 }
 
@@ -87,6 +97,7 @@ LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::st
     refuse(
         verb, "--columns",
         "--columns and --time cannot be combined; --columns 't_us:2, *' selects the times as well");
+  refuse_with_format(options.format, "--time", verb);
   options.columns = {{"t", unit, arguments.time, *ticks}, {}};
   return options;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/plant_arguments.hpp"
 
-#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
@@ -15,8 +14,8 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments) {
   line.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
   line.add_option("--at FLIGHT", arguments.at,
                   "steady flight: hover (default), line, circle or spin");
-  line.add_number("--speed V", arguments.speed, "ground speed of line and circle [m/s]");
-  line.add_number("--climb V", arguments.climb,
+  line.add_number("--speed SPEED", arguments.speed, "ground speed of line and circle [m/s]");
+  line.add_number("--climb RATE", arguments.climb,
                   "climb rate of line, circle and spin, positive upward [m/s]");
   line.add_number("--radius R", arguments.radius,
                   "radius of the circle [m]; negative: turn to the left");
@@ -60,6 +59,9 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
     throw UsageError(
         "quadtune: --at circle requires --radius, the radius of the circle in metres, not 0",
         "--radius");
+  if (condition.kind == FlightKind::circle && condition.speed == 0)
+    throw UsageError("quadtune: --at circle requires --speed, a positive ground speed in m/s",
+                     "--speed");
   if (condition.kind == FlightKind::spin && condition.yaw_rate == 0)
     throw UsageError(
         "quadtune: --at spin requires --yaw-rate, the yaw rate of the spin in rad/s, not 0",

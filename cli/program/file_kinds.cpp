@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/workbench/files/file_kind.hpp"
@@ -32,8 +33,8 @@ Words takers_of(FileKind kind) {
       {FileKind::design, with({"design", "verify --design"}, laws)},
       {FileKind::vehicle,
        {"vehicle", "design", "linearize", "lqr", "lqg", "pid", "margins", "discretize", "fly",
-        "compare", "tune pid", "tune lqr", "export --vehicle", "verify --vehicle",
-        "certify --vehicle"}},
+        "compare", "tune pid", "tune lqr", "import --vehicle", "export --vehicle",
+        "verify --vehicle", "certify --vehicle", "export"}},
       {FileKind::mission,
        {"fly --mission", "compare --mission", "tune pid --mission", "tune lqr --mission"}},
       {FileKind::campaign, {"campaign run", "campaign init"}},
@@ -49,6 +50,22 @@ Words takers_of(FileKind kind) {
   return found == takers.end() ? Words{} : found->second;
 }
 
+/// Whether a word is an option of the command that is followed by a value.
+bool takes_value(const std::string& verb, const std::string& word) {
+  if (!word.starts_with("-")) return false;
+  if (word == "-o") return true;
+  for (const CommonOption& common : kCommonOptions)
+    if (word == common.name) return *common.type != '\0';
+  for (const Verb& known : verbs()) {
+    if (known.name != verb) continue;
+    CommandLine line(known.name, known.usage);
+    (void)known.define(line);
+    const Option* const option = line.find(word);
+    return option != nullptr && option->takes_value();
+  }
+  return false;
+}
+
 /// "fly --gains" for the argument at `at`; "fly" if it is positional.
 std::string place_of(const std::vector<std::string>& args, std::size_t at) {
   std::string place = args[0];
@@ -58,10 +75,7 @@ std::string place_of(const std::vector<std::string>& args, std::size_t at) {
   const std::size_t equals = args[at].find('=');
   if (args[at].starts_with("--") && equals != std::string::npos)
     return place + " " + args[at].substr(0, equals);
-  if (at > 0 && args[at - 1].starts_with("-") && args[at - 1] != "--json" &&
-      args[at - 1] != "--quiet")
-    return place + " " + args[at - 1];
-  return place;
+  return at > 0 && takes_value(place, args[at - 1]) ? place + " " + args[at - 1] : place;
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <vector>
 
 #include "program/command_line.hpp"
 #include "program/completion.hpp"
@@ -24,6 +23,25 @@ const Option* option_of(const std::string& path, const CommandLine& line) {
     for (const std::string& value : option->values())
       if (value == path || path.starts_with(value + "/")) return option;
   return nullptr;
+}
+
+bool has_article(const std::string& words) {
+  return words.starts_with("a ") || words.starts_with("an ") || words.starts_with("the ");
+}
+
+/// Whether the path is that of a file to write, or a folder in which it or a part of it is.
+bool is_output(const std::string& path, const CommandLine& line,
+               const std::vector<std::string>& outputs) {
+  bool found = false;
+  for (const Option* option : line.options()) {
+    const bool writes = std::find(outputs.begin(), outputs.end(), option->name()) != outputs.end();
+    for (const std::string& value : option->values()) {
+      if (!writes && value == path) return false;
+      found = found || (writes && (value == path || path.starts_with(value + "/") ||
+                                   value.starts_with(path + "/")));
+    }
+  }
+  return found;
 }
 
 /// "; vehicles has mambo.toml, uquad.toml and 3 more", the most similar names first.
@@ -47,20 +65,20 @@ bool is_missing(const FileError& error) {
   return std::string(error.what()) == error.path() + ": " + std::strerror(ENOENT);
 }
 
-FileError told_missing(const FileError& error, const CommandLine& line) {
+FileError told_missing(const FileError& error, const CommandLine& line,
+                       const std::vector<std::string>& outputs) {
+  if (is_output(error.path(), line, outputs)) return error;
   std::string message = std::strerror(ENOENT);
   std::vector<std::string> known;
   if (const Option* option = option_of(error.path(), line)) {
-    // "with V: an export" is an export here.
     std::string kind = option->description();
+    kind.erase(std::min(kind.find("; "), kind.size()));  // what it is in another use, its default
+    // "compute weights that give this gain: an export" expects what follows the colon.
     if (const std::size_t colon = kind.find(": ");
-        kind.starts_with("with ") && colon != std::string::npos)
+        colon != std::string::npos && has_article(kind.substr(colon + 2)))
       kind.erase(0, colon + 2);
-    kind.erase(std::min(kind.find("; with "), kind.size()));  // what it is in another use
-    const bool is_noun =
-        kind.starts_with("a ") || kind.starts_with("an ") || kind.starts_with("the ");
-    message += is_noun ? fmt::format(", expected {} ({})", kind, option->name())
-                       : fmt::format(", expected for {}: {}", option->name(), kind);
+    message += has_article(kind) ? fmt::format(", expected {} ({})", kind, option->name())
+                                 : fmt::format(", expected for {}: {}", option->name(), kind);
     known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace quadtune {
 class FileError;
@@ -17,7 +18,9 @@ class CommandLine;
 
 /// Adds to the error what the option that named the file accepts, and the most similar names, from
 /// its folder and of the built-in files.
-/// @param line  the options of the command, after parse()
-[[nodiscard]] FileError told_missing(const FileError& error, const CommandLine& line);
+/// @param line     the options of the command, after parse()
+/// @param outputs  the options that name files to write; their errors are returned unchanged
+[[nodiscard]] FileError told_missing(const FileError& error, const CommandLine& line,
+                                     const std::vector<std::string>& outputs);
 
 }  // namespace quadtune::cli

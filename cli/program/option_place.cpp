@@ -14,6 +14,7 @@ namespace {
 
 /// Whether the place is a function or several options, rather than a file or a value.
 bool names_no_input(const std::string& where, const CommandLine& line) {
+  if (where == "standard input") return false;
   if (where.starts_with("--")) return where.find(", --") != std::string::npos;
   const bool plain = std::all_of(where.begin(), where.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == ' ';

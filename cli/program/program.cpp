@@ -69,14 +69,20 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   write();
 }
 
+/// The options that name files and directories to write.
+std::vector<std::string> output_options(const std::string& verb) {
+  std::vector<std::string> names = {"-o", "--report", "--plot"};
+  if (verb == "fly" || verb == "campaign replay") names.emplace_back("--log");  // others read it
+  if (verb == "campaign init" || verb == "campaign run") names.emplace_back("DIR");
+  return names;
+}
+
 /// Rejects "-" for files that are written in addition to the printed text, which goes to standard
 /// output.
 void refuse_standard_output(const CommandLine& line, const std::string& verb) {
-  const bool logs = verb == "fly" || verb == "campaign replay";  // the others read --log
-  for (const std::string name : {"-o", "--report", "--plot", "--log"}) {
+  for (const std::string& name : output_options(verb)) {
     const Option* const option = line.find(name);
     if (option == nullptr || !option->was_given() || option->values().back() != "-") continue;
-    if (name == "--log" && !logs) continue;
     throw UsageError(
         fmt::format("quadtune {}: {} is -, expected a file name, because standard output is used "
                     "for the printed text; write ./- for a file of that name",
@@ -132,8 +138,8 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     else
       run_into_file(action, file, context);
   } catch (const FileError& error) {
-    if (is_missing(error)) throw told_missing(error, line);
-    throw;
+    if (!is_missing(error)) throw;
+    throw told_missing(error, line, output_options(verb.name));
   } catch (const OptionError&) {
     throw;
   } catch (const InvalidInput& error) {

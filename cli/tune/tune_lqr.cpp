@@ -86,7 +86,7 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   const bool standard = options.problem.Q.empty() && options.problem.R.empty();
   if (standard && line.was_given("--inputs") && options.problem.plant.inputs != "wrench")
     refuse(kVerb, "--inputs",
-           "--inputs other than wrench requires --Q and --R, because Bryson's rule gives weights "
+           "--inputs other than wrench requires --Q or --R, because Bryson's rule gives weights "
            "for the wrench only");
   options.missions.vehicle = options.problem.plant.vehicle;
   require_sane(kVerb, options.missions);
@@ -97,7 +97,7 @@ void run_missions(const CommandLine& line, Options& options, Context& context) {
   const LqrDesign design = make_design(problem, plant.model.plant.states, plant.model.plant.inputs);
   if (standard && (problem.plant.convention != "ned" || problem.plant.states != "full"))
     refuse(kVerb, "--Q",
-           "--convention and --states require --Q and --R, because Bryson's rule gives weights for "
+           "--convention and --states require --Q or --R, because Bryson's rule gives weights for "
            "all states in ned only");
   if (design.dt == 0)
     refuse(kVerb, "--method",
@@ -186,13 +186,14 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--match-gains FILE", options.gains,
                   "compute weights that give this gain: an export, a file of gains, or a design "
                   "with [published] or [lqr] gains; absent options take their values from it");
+  line.add_option("--Q LIST", options.problem.Q,
+                  "start of the search: a list with the integrals last; a single number applies to "
+                  "all; default: 1, or over missions, if --R is absent too, Bryson's rule; a "
+                  "weight of 0 stays 0");
   line.add_option(
-      "--Q LIST", options.problem.Q,
-      "start of the search: a list with the integrals last; a single number applies to "
-      "all; default: Bryson's rule over missions, 1 with --match-gains; a weight of 0 stays 0");
-  line.add_option("--R LIST", options.problem.R,
-                  "likewise for the inputs; its geometric mean is kept, because a gain determines "
-                  "the weights only up to a factor");
+      "--R LIST", options.problem.R,
+      "likewise for the inputs; with --match-gains its geometric mean is kept, because a "
+      "gain determines the weights only up to a factor");
   line.add_option("--integral LIST", options.problem.integral, "states to integrate");
   line.add_option("--method NAME", options.problem.method,
                   "continuous (default with --match-gains), discrete (weights per step) or sampled "
@@ -214,10 +215,12 @@ void add_options(CommandLine& line, Options& options) {
 }  // namespace
 
 Verb tune_lqr_verb() {
-  return {kVerb, "V --mission NAME [options]   or   V --match-gains FILE [options]",
-          "search LQR weights over missions, or compute the weights that give a gain",
-          "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
-          with_options(add_options, run_tune_lqr)};
+  return {
+      kVerb,
+      "V (--mission NAME | --requirements FILE) [options]   or   V --match-gains FILE [options]",
+      "search LQR weights over missions, or compute the weights that give a gain",
+      "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
+      with_options(add_options, run_tune_lqr)};
 }
 
 }  // namespace quadtune::cli

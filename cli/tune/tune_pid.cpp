@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune tune pid: gains of a PID cascade over missions.
-#include "arguments/flight_arguments.hpp"
 #include "arguments/mission_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -20,7 +19,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("V", options.tuning.vehicle, "a built-in vehicle or a vehicle file");
   add_mission_tuning_options(line, options.tuning);
   line.add_option("--gains WHICH", options.gains,
-                  "start of the search: designed (default), published or a file of gains");
+                  "designed (default), published or a file of gains, where the search starts");
   line.add_flag("--separate", options.separate, "tune x and y, and pitch and roll, separately");
 }
 

@@ -39,20 +39,28 @@ Signal signal_of(const std::string& text, const std::string& where) {
   return {name, open == std::string::npos ? "" : text.substr(open + 1, text.size() - open - 2)};
 }
 
+/// The signals of a required key.
 std::vector<Signal> signals_of(const TomlTable& table, const std::string& key) {
   std::vector<Signal> result;
-  if (!table.has(key)) return result;
   for (const std::string& text : table.texts(key))
     result.push_back(signal_of(text, table.where(key, result.size())));
   return result;
 }
 
-MatrixXd matrix_of(const TomlTable& table, const std::string& key, Index rows, Index cols) {
+/// As signals_of(), for a key that may be absent.
+std::vector<Signal> signals_if_any(const TomlTable& table, const std::string& key) {
+  return table.has(key) ? signals_of(table, key) : std::vector<Signal>();
+}
+
+/// @param counted  what the rows and columns belong to, e.g. "states x inputs"
+MatrixXd matrix_of(const TomlTable& table, const std::string& key, Index rows, Index cols,
+                   const char* counted) {
   if (!table.has(key) && (rows == 0 || cols == 0)) return MatrixXd(rows, cols);
   MatrixXd result = table.matrix(key);
   if (result.rows() != rows || result.cols() != cols)
-    throw InvalidInput(table.where(key), fmt::format("{} is {}x{}, expected {}x{}", key,
-                                                     result.rows(), result.cols(), rows, cols));
+    throw InvalidInput(table.where(key),
+                       fmt::format("{} is {}x{}, expected {}x{} ({})", key, result.rows(),
+                                   result.cols(), rows, cols, counted));
   return result;
 }
 
@@ -189,7 +197,8 @@ class TermReader {
 
   [[nodiscard]] MatrixXd block_of(const TomlTable& table, const std::vector<int>& chosen) const {
     const auto n = static_cast<Index>(chosen.size());
-    if (table.has("covariance")) return matrix_of(table, "covariance", n, n);
+    if (table.has("covariance"))
+      return matrix_of(table, "covariance", n, n, "one row and column for each entry");
     return variances(table, chosen).asDiagonal();
   }
 
@@ -235,9 +244,11 @@ void read_sensor(const TomlTable& table, FilterModel& model) {
     sensor.name = table.word("name");
     sensor.outputs = signals_of(table, "outputs");
     const auto ny = static_cast<Index>(sensor.outputs.size());
-    sensor.C = matrix_of(table, "C", ny, static_cast<Index>(model.states.size()));
+    sensor.C =
+        matrix_of(table, "C", ny, static_cast<Index>(model.states.size()), "outputs x states");
     if (table.has("D"))
-      sensor.D = matrix_of(table, "D", ny, static_cast<Index>(model.inputs.size()));
+      sensor.D =
+          matrix_of(table, "D", ny, static_cast<Index>(model.inputs.size()), "outputs x inputs");
     sensor.R.fixed = MatrixXd::Zero(ny, ny);
   } else {
     refuse_keys(table, {"outputs", "C", "D"}, "rigid-body");
@@ -291,13 +302,13 @@ FilterModel read_linear(const TomlTable& file) {
   FilterModel model;
   model.dt = file.has("period_s") ? file.number("period_s", Range::positive()) : 0;
   model.states = signals_of(file, "states");
-  model.inputs = signals_of(file, "inputs");
-  model.noises = signals_of(file, "noises");
+  model.inputs = signals_if_any(file, "inputs");
+  model.noises = signals_if_any(file, "noises");
   const auto nx = static_cast<Index>(model.states.size());
   const auto nw = static_cast<Index>(model.noises.size());
-  model.A = matrix_of(file, "A", nx, nx);
-  model.B = matrix_of(file, "B", nx, static_cast<Index>(model.inputs.size()));
-  model.G = matrix_of(file, "G", nx, nw);
+  model.A = matrix_of(file, "A", nx, nx, "states x states");
+  model.B = matrix_of(file, "B", nx, static_cast<Index>(model.inputs.size()), "states x inputs");
+  model.G = matrix_of(file, "G", nx, nw, "states x noises");
   model.Q.fixed = MatrixXd::Zero(nw, nw);
   model.x0 = VectorXd::Zero(nx);
   model.P0 = MatrixXd::Zero(nx, nx);

@@ -20,7 +20,7 @@ struct LogTitle {
 /// lower case, with a unit or the suffix _s, _ms, _us or _ns; or TimeUS.
 [[nodiscard]] LogTitle title_of(std::string_view text);
 
-/// Ticks per second of a unit of time; 0 if it is not a unit of time.
+/// Ticks per second of a unit of time, in upper or lower case; 0 if it is none.
 [[nodiscard]] double ticks_of(std::string_view unit);
 
 /// Normalizes spellings: "rad s^-1" to "rad/s"; "m s^-2" and "m/s²" to "m/s^2". Other units are

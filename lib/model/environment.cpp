@@ -92,10 +92,15 @@ Wind parse_wind(const std::string& words, const std::string& where) {
   if (!(wind.gust.length > 0))
     throw InvalidInput(where,
                        fmt::format("gust_length is {} s, expected more than 0", wind.gust.length));
-  if (wind.mean.norm() > 100 || wind.gust.velocity.norm() > 100)
-    throw InvalidInput(where,
-                       "the wind is faster than 100 m/s, expected at most 100 m/s, since "
-                       "no multirotor flies in it");
+  const auto require_speed = [&](const char* what, const Eigen::Vector3d& velocity) {
+    constexpr double kMaxSpeed = 100;  // no multirotor flies in it [m/s]
+    if (velocity.norm() > kMaxSpeed)
+      throw InvalidInput(where, fmt::format("the {} has a speed of {:.6g} m/s, expected at most "
+                                            "{} m/s",
+                                            what, velocity.norm(), kMaxSpeed));
+  };
+  require_speed("wind (north, east, down)", wind.mean);
+  require_speed("gust (gust_north, gust_east, gust_down)", wind.gust.velocity);
   if (!(wind.turbulence >= 0 && wind.turbulence <= 100))
     throw InvalidInput(where,
                        fmt::format("turbulence is {} m/s, expected 0 to 100", wind.turbulence));

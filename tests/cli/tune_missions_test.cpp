@@ -299,7 +299,7 @@ TEST(TuneMissions, RefusesInOneLine) {
           2, "--proof is 19, expected at least 20 because the 0.9 quantile requires as many draws");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "2",
            "--budget", "1"},
-          3, "the mission 'hover' yields no metric of the cost in 2 s");
+          3, "mission 'hover': its flight of 2 s yields none of the metrics of the cost (");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--monte-carlo",
            "4294967296"},
           2, "--monte-carlo is 4294967296, expected at most 100000");
@@ -321,7 +321,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--method", "continuous"}, 2,
           "--method is continuous, expected discrete or sampled");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
-          "--inputs other than wrench requires --Q and --R");
+          "--inputs other than wrench requires --Q or --R");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
           "--report is for missions");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
@@ -330,7 +330,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
           "--mission is for missions");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
-          "--convention and --states require --Q and --R");
+          "--convention and --states require --Q or --R");
   const auto file = [&](const std::string& from, const std::string& to) {
     return directory.write("r.toml", with_text(kRequirements, from, to)).string();
   };

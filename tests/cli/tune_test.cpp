@@ -145,8 +145,8 @@ TEST(TuneVerb, SaysWhyAutocovariancesCannotTellALog) {
   const ProgramResult result = tune(folder.write("torn.csv", text).string(), {"--method", "als"});
   EXPECT_EQ(result.status, 4);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, HasSubstr("tune kalman: no stretch with a constant sample time and all "
-                                    "measurements at each sample has the 30 samples or more"));
+  EXPECT_THAT(result.err, HasSubstr("tune kalman: autocovariances require at least 30 successive "
+                                    "samples with a constant sample time"));
 }
 
 // An on-board filter's output is not a measurement.

@@ -10,6 +10,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/tails.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -135,10 +136,14 @@ void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightRes
       if (term.weight > 0 && !std::isnan(result.metrics[term.metric])) return;
   }
   if (!any_completed) return;
-  throw InvalidInput("trial", fmt::format("the mission '{}' yields no metric of the cost in {} s; "
-                                          "expected at least one, e.g. with a longer flight",
-                                          request_.missions[mission].name,
-                                          duration_of(request_.missions[mission].setup)));
+  std::vector<std::string> metrics;
+  for (const CostTerm& term : request_.cost)
+    if (term.weight > 0) metrics.push_back(name_of(term.metric));
+  throw InvalidInput(
+      fmt::format("mission '{}'", request_.missions[mission].name),
+      fmt::format("its flight of {} s yields none of the metrics of the cost ({}), expected a "
+                  "mission that yields one of them, or a longer flight",
+                  duration_of(request_.missions[mission].setup), internal::joined(metrics, ", ")));
 }
 
 std::vector<FlightResult> MissionTrial::results(const Controller& controller, std::uint32_t first,

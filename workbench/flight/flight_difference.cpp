@@ -113,6 +113,16 @@ const std::vector<std::string>& compared_things() {
   return all;
 }
 
+std::string missing_sensor(const std::string& what, bool usual_estimator, const Sensors& sensors) {
+  if (what != "flow" && what != "filter") return "";
+  if (!sensors.flow) return "optical flow sensor";
+  if (!usual_estimator) return "";
+  // Both comparisons fly variants of the Mambo's estimator.
+  if (!sensors.sonar) return "sonar";
+  if (!sensors.accelerometer) return "accelerometer";
+  return sensors.gyroscope ? "" : "gyroscope";
+}
+
 FlightPair flight_pair(const std::string& what, FlightOptions flight,
                        const std::array<std::string, 2>& gains) {
   const auto at = std::find_if(variants().begin(), variants().end(),
@@ -125,7 +135,7 @@ FlightPair flight_pair(const std::string& what, FlightOptions flight,
                                            at->key, what, at->because));
   if (what == "flow" && flight.estimator.empty()) flight.estimator = "mambo-original";
   if (what == "flow" || what == "integrators") flight = as_the_model_project(flight);
-  FlightPair pair{what, what == "gains" ? gains : at->names, {flight, flight}};
+  FlightPair pair{what, at->key, what == "gains" ? gains : at->names, {flight, flight}};
   const std::array<std::string, 2>& values = what == "gains" ? gains : at->values;
   for (std::size_t i = 0; i < 2; ++i) pair.options[i].*at->option = values[i];
   return pair;

@@ -21,7 +21,7 @@ void require_timed(const LogSeries& series, const std::string& file) {
   if (!series.timed)
     throw MissingOption("rate",
                         fmt::format("no sample rate; expected --rate HZ or --time COLUMN: {} "
-                                    "has no time column",
+                                    "has no time column in s, ms, us or ns",
                                     file));
   require_usable(series, file);
 }

@@ -96,6 +96,7 @@ class Chooser {
       if (choice.ticks == 0) continue;
       const double said = stated_ticks(titles_[columns_.back()]);
       const bool by_title = choice.unit.empty() && said > 0;
+      if (choice.unit.empty() && said == 0) refuse_other_unit(titles_[columns_.back()]);
       parts.push_back(
           {columns_.back(), by_title ? said : choice.ticks, by_title || !choice.unit.empty()});
     }
@@ -120,9 +121,18 @@ class Chooser {
     if (parts.size() == 1 && !parts[0].stated) layout_.unstated = unstated(parts[0].column);
     if (parts.empty() && options_.rate_hz == 0)
       layout_.notes.push_back(
-          "cannot tell which column is the time: name it with --columns, such as 't_s:1, *', or "
-          "give "
-          "--rate");
+          "no column is recognized as a time in s, ms, us or ns: name it with --columns, such as "
+          "'t_s:1, *', or give --rate");
+  }
+
+  /// Rejects a column that was selected as the time and is in another unit, such as min.
+  void refuse_other_unit(const LogTitle& title) const {
+    if (title.unit.empty()) return;
+    throw InvalidInput(
+        where_, fmt::format("the time column '{}' is in '{}', expected s, ms, us or "
+                            "ns; state the unit with --time-unit or --columns 't_s:N, *', or "
+                            "give --rate if the samples are equally spaced",
+                            printable(title.name), printable(title.unit)));
   }
 
   static double stated_ticks(const LogTitle& title) {

@@ -127,7 +127,8 @@ std::unique_ptr<LogReader> open_uquad_log(ByteStream stream, const LogOptions& o
   const bool with_period = columns == kTimes + 1 + kReadings;
   if (!with_period && columns != kTimes + kReadings)
     throw InvalidInput(stream.name() + ":1",
-                       fmt::format("has {}, expected {} or {} of the uquad's imu_raw.log",
+                       fmt::format("has {} separated by blanks, expected {} or {} of the uquad's "
+                                   "imu_raw.log",
                                    internal::counted(columns, "column"), kTimes + kReadings,
                                    kTimes + 1 + kReadings));
   LogOptions named = options;

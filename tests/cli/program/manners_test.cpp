@@ -158,6 +158,13 @@ TEST(MissingFiles, SayWhatWasLookedForAndWhatIsThere) {
   refuses({"lqr", (folder.path() / "none" / "v.toml").string()}, 5, "there is no folder");
 }
 
+// The help text of the option and the files that exist say nothing about a file to write.
+TEST(MissingFiles, AFileToWriteIsNotLookedFor) {
+  const ProgramResult result = run_program({"pid", "mambo", "--plot", "/proc/none/loops.csv"});
+  EXPECT_EQ(result.status, 5) << result.err;
+  EXPECT_EQ(result.err, "/proc/none: No such file or directory\n");
+}
+
 // For example a note about a vehicle that is read several times.
 TEST(Notes, ComeOnce) {
   const TemporaryDirectory folder;

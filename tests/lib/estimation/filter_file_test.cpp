@@ -152,7 +152,9 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
   refused(
       "name = 'a'\nstates = ['x m]']\n",
       "m.toml:2: 'x m]' is invalid, expected a name and, in brackets, its unit, as in 'vz [m/s]'");
-  refused("name = 'a'\nstates = ['x']\nA = [[1, 2]]\n", "m.toml:3: A is 1x2, expected 1x1");
+  refused("name = 'a'\nstates = ['x']\nA = [[1, 2]]\n",
+          "m.toml:3: A is 1x2, expected 1x1 (states x states)");
+  refused("name = 'a'\nA = [[1]]\n", "m.toml:1: the file has no key 'states', which is required");
   EXPECT_THAT([] { (void)load_filter_model("altitud"); },
               ThrowsMessage<InvalidInput>(StrEq(
                   "filter model: no model 'altitud', expected local-level, constant-velocity, "

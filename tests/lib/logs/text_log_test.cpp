@@ -221,6 +221,16 @@ TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
               DoubleEq(0.004));
 }
 
+TEST(TextLog, RefusesATimeInAnotherUnit) {
+  EXPECT_THAT([] { (void)read_bytes("a,t[min]\n1,0\n2,1\n", with_columns("t:2, *")); },
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "f.log: the time column 't' is in 'min', expected s, ms, us or ns; state")));
+  EXPECT_FALSE(read_bytes("a,t[min]\n1,0\n2,1\n").group("").group.timed);
+  EXPECT_THAT(read_bytes("a,t[min]\n1,0\n2,1\n", with_columns("t_s:2, *")).group("").time,
+              ElementsAre(0, 1));
+  EXPECT_THAT(read_bytes("a,Time [Seconds]\n1,0\n2,0.5\n").group("").time, ElementsAre(0, 0.5));
+}
+
 TEST(TextLog, TakesSecondsWithAWord) {
   const WholeLog log = read_bytes("timestamp,x\n1403636579.75,1\n1403636579.80,2\n");
   EXPECT_THAT(log.condition.notes,

@@ -231,7 +231,7 @@ TEST(MissionTrial, RejectsInvalidRequests) {
   refuses(asked, "the weight of energy is -1");
   asked = request();
   asked.cost = {{Metric::touchdown_speed, 1}};
-  refuses(asked, "the mission 'step' yields no metric of the cost in 4 s");
+  refuses(asked, "mission 'step': its flight of 4 s yields none of the metrics of the cost (");
   asked = request();
   asked.uncertainty.numbers = {{"vision_noise", {DistributionKind::normal, 1, 0.1}}};
   refuses(asked, "vision_noise");

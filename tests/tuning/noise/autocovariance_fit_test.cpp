@@ -355,9 +355,9 @@ TEST(AutocovarianceFit, ExplainsWhyALogHasNoUniformStretch) {
   EXPECT_THAT(
       fit.culprit,
       StrEq(
-          "no stretch with a constant sample time and all measurements at each "
-          "sample has the 30 samples or more that autocovariances require: all "
-          "outputs are measured at the same instant 200 times (y: y 1000 times, gps: position 200 "
+          "autocovariances require at least 30 successive samples with a constant sample time and "
+          "all measurements in each, which the log does not have: all outputs are measured at the "
+          "same instant 200 times (y: y 1000 times, gps: position 200 "
           "times)"));
   EXPECT_TRUE(std::isnan(fit.parameters[0].value));
   EXPECT_EQ(fit.theta, start_of(rates));

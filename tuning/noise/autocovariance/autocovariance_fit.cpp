@@ -189,8 +189,8 @@ class Fit {
     return fail(
         AutocovarianceStatus::no_uniform_stretch,
         fmt::format(
-            "no stretch with a constant sample time and all measurements at each sample has "
-            "the {} samples or more that autocovariances require: {}",
+            "autocovariances require at least {} successive samples with a constant sample time "
+            "and all measurements in each, which the log does not have: {}",
             kMinStretch, uniform.culprit));
   }
 

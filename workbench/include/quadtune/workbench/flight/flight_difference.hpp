@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/model/sensors.hpp"
 #include "quadtune/workbench/flight/flight_options.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
 
@@ -44,12 +45,20 @@ struct EstimateError {
 /// Two flights that differ in a single option.
 struct FlightPair {
   std::string what;                      ///< "integrators", "flow", "filter" or "gains"
+  std::string option;                    ///< key of the option that differs, e.g. "integrator"
   std::array<std::string, 2> names;      ///< e.g. "euler" and "tustin"
   std::array<FlightOptions, 2> options;  ///< one for each flight
 };
 
 /// The valid values of FlightPair::what.
 [[nodiscard]] const std::vector<std::string>& compared_things();
+
+/// The sensor that a comparison requires and a vehicle lacks, e.g. "sonar"; empty if it lacks none.
+/// @param what             one of compared_things()
+/// @param usual_estimator  whether FlightOptions::estimator is empty
+/// @param sensors          of the vehicle
+[[nodiscard]] std::string missing_sensor(const std::string& what, bool usual_estimator,
+                                         const Sensors& sensors);
 
 /// Forward Euler and Tustin integration of the PID's integrals; the simplified and the full model
 /// of the optical flow, both with as_the_model_project(); the position from the filtered velocity
