@@ -31,7 +31,9 @@ void validate_lti(const Lti& plant, const std::string& where) {
   if (nu == 0)
     throw InvalidInput(where, fmt::format("B is {}, expected at least one column", shape(plant.B)));
   const Eigen::Index ny = plant.C.size() ? plant.C.rows() : nx;
-  if (plant.C.size()) require_shape(plant.C, ny, nx, where, "C", "A is " + shape(plant.A));
+  if (plant.C.size() && plant.C.cols() != nx)
+    throw InvalidInput(where, fmt::format("C is {}, expected {} column{} (A is {})", shape(plant.C),
+                                          nx, nx == 1 ? "" : "s", shape(plant.A)));
   if (plant.D.size())
     require_shape(plant.D, ny, nu, where, "D", "one row per output, one column per input");
   require_finite(plant.A, where, "A");

@@ -64,7 +64,9 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
     throw InvalidInput(where, fmt::format("A is {}, expected a square matrix", shape(model.A)));
   const Eigen::Index ny = model.C.rows();
   if (ny == 0) throw InvalidInput(where, "C is empty, expected at least one measurement");
-  require_shape(model.C, ny, nx, where, "C", "A is " + shape(model.A));
+  if (model.C.cols() != nx)
+    throw InvalidInput(where, fmt::format("C is {}, expected {} (A is {})", shape(model.C),
+                                          internal::counted(nx, "column"), shape(model.A)));
   const Eigen::MatrixXd G =
       noise.G.size() ? noise.G : Eigen::MatrixXd(Eigen::MatrixXd::Identity(nx, nx));
   if (G.rows() != nx)

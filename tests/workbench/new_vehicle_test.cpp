@@ -203,6 +203,16 @@ TEST(NewVehicle, RefusesWhatContradicts) {
         m.hover_speed = 500;
       },
       "max-speed is 400 rad/s, expected more than the 500 rad/s of --hover-speed");
+  // Faster than sound at the tips, by the speed that was measured.
+  refused([](M& m) { m.hover_speed = 5000; },
+          "hover-speed is 5000 rad/s: propellers of 0.2388 m in diameter would turn with tips at "
+          "597 m/s, expected less than 340 m/s");
+  refused(
+      [](M& m) {
+        m.max_thrust = 8;
+        m.max_speed = 9000;
+      },
+      "max-speed is 9000 rad/s: with --max-thrust, propellers of ");
 }
 
 }  // namespace
