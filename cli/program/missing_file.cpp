@@ -29,7 +29,7 @@ bool has_article(const std::string& words) {
   return words.starts_with("a ") || words.starts_with("an ") || words.starts_with("the ");
 }
 
-/// Whether the path is that of a file to write, or a folder in which it or a part of it is.
+/// Whether the path is that of a file or directory to write, a folder above it or a file below it.
 bool is_output(const std::string& path, const CommandLine& line,
                const std::vector<std::string>& outputs) {
   bool found = false;
