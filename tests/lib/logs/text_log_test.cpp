@@ -416,7 +416,8 @@ TEST(UquadLog, OfTheMainProgramHasTwoTimesBefore) {
   EXPECT_THAT(with_period.group("").column("acc_x"), ElementsAre(1));
   EXPECT_THAT(with_period.group("").column("T_us"), ElementsAre(10000));
   EXPECT_THAT([&] { (void)read_bytes("1 2 3\n", options); },
-              ThrowsMessage<InvalidInput>(HasSubstr("has 3 columns, expected 13 or 14")));
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("has 3 columns separated by blanks, expected 13 or 14")));
 }
 
 TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
