@@ -80,7 +80,7 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
   std::vector<double> numbers = number_list(text, verb, option);
   for (const double weight : numbers)
     if (weight < 0)
-      refuse(verb, option, "{}: {} is negative, expected weights that are not", option, weight);
+      refuse(verb, option, "{}: {} is negative, expected weights of 0 or more", option, weight);
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
     refuse(verb, option, "{} has {} entries, expected {} or a single one for all ({})", option,

@@ -79,8 +79,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-double ticks_of(std::string_view title) {
-  const std::string unit = lower(title);
+double ticks_of(std::string_view unit_as_written) {
+  const std::string unit = lower(unit_as_written);
   if (unit == "s" || unit == "sec" || unit == "seconds") return 1;
   if (unit == "ms" || unit == "msec") return 1e3;
   if (unit == "us" || unit == "usec" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;

@@ -168,22 +168,24 @@ void require_slow_tips(const MeasuredVehicle& m, const RotorNumbers& rotor) {
   constexpr double kSpeedOfSound = 340;  // [m/s]
   const double hover = std::sqrt(m.mass * kGravity / m.rotors / rotor.a2);
   const double tip = hover * m.propeller / 2;
+  if (tip < kSpeedOfSound) return;
   const std::string tips = fmt::format(
       "tips at {:.4g} m/s, expected less than {} m/s, the speed of sound", tip, kSpeedOfSound);
   if (m.hover_speed)
-    require(tip < kSpeedOfSound, "hover-speed",
-            fmt::format("hover-speed is {:.4g} rad/s: propellers of {:.4g} m in diameter would "
-                        "turn with {}; check --hover-speed and --propeller",
-                        *m.hover_speed, m.propeller, tips));
+    throw OptionError("hover-speed",
+                      fmt::format("hover-speed is {:.4g} rad/s: propellers of {:.4g} m in diameter "
+                                  "would turn with {}; check --hover-speed and --propeller",
+                                  *m.hover_speed, m.propeller, tips));
   if (m.max_speed && (m.max_thrust || m.thrust_to_weight))
-    require(tip < kSpeedOfSound, "max-speed",
-            fmt::format("max-speed is {:.4g} rad/s: with {}, propellers of {:.4g} m in diameter "
-                        "that carry {:.4g} kg would turn at {:.4g} rad/s with {}; check these "
-                        "options, --propeller and --mass",
-                        *m.max_speed, m.max_thrust ? "--max-thrust" : "--thrust-to-weight",
-                        m.propeller, m.mass, hover, tips));
-  require(
-      tip < kSpeedOfSound, "propeller",
+    throw OptionError(
+        "max-speed",
+        fmt::format("max-speed is {:.4g} rad/s: with {}, propellers of {:.4g} m in diameter that "
+                    "carry {:.4g} kg would turn at {:.4g} rad/s with {}; check these options, "
+                    "--propeller and --mass",
+                    *m.max_speed, m.max_thrust ? "--max-thrust" : "--thrust-to-weight", m.propeller,
+                    m.mass, hover, tips));
+  throw OptionError(
+      "propeller",
       fmt::format("propeller is {:.4g} m in diameter: to carry {:.4g} kg, {} of them would turn "
                   "at {:.4g} rad/s with {}; check the units of --propeller and --mass",
                   m.propeller, m.mass, m.rotors, hover, tips));
