@@ -277,7 +277,7 @@ class Placement {
     Eigen::MatrixXcd pencil(n_, n_ + B_.cols());
     pencil << A_.cast<Complex>() - mode * Eigen::MatrixXcd::Identity(n_, n_),
         (B_ * (std::max(A_.norm(), 1e-300) / std::max(B_.norm(), 1e-300))).cast<Complex>();
-    const Eigen::VectorXd sigma = pencil.bdcSvd().singularValues();
+    const Eigen::VectorXd sigma = Eigen::JacobiSVD<Eigen::MatrixXcd>(pencil).singularValues();
     return sigma[n_ - 1] / std::max(sigma[0], 1e-300);
   }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "quadtune/model/vehicle.hpp"
-#include "trim_newton.hpp"
+#include "trim_problem.hpp"
 
 namespace quadtune::internal {
 namespace {

@@ -122,7 +122,9 @@ void Fitter::scale_rest() {
     y.row(i) = pose.gyroscope.transpose();
     if (problem_.with_temperature) A(i, 1) = -(pose.temperature - scaling.t0) / scaling.span;
   }
-  const Matrix fit = (A.transpose() * A).ldlt().solve(A.transpose() * y);
+  const Matrix AtA = A.transpose() * A;
+  const Matrix Aty = A.transpose() * y;
+  const Matrix fit = AtA.ldlt().solve(Aty);
   bias_ = fit.row(0).transpose();
   const double degrees = std::max(1.0, double(3 * (n - A.cols())));
   bias_unit_ =
@@ -267,7 +269,7 @@ constexpr double kHint = 0.01;
 Matrix covariance_of(const Matrix& J) {
   Matrix H = J.transpose() * J;
   H.diagonal().head(9).array() += kHint * kHint;
-  return H.ldlt().solve(Matrix::Identity(H.rows(), H.cols()));
+  return H.ldlt().solve(Matrix(Matrix::Identity(H.rows(), H.cols())));
 }
 
 /// Estimates the noise of turns from their residuals, corrected for the degrees of freedom of the
@@ -321,7 +323,7 @@ double Fitter::degrees_of(const Matrix& J, const Matrix& covariance) const {
 }
 
 void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) const {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance.topLeftCorner(9, 9));
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(Matrix(covariance.topLeftCorner(9, 9)));
   std::array<bool, 3> axis{};
   for (Index k = 0; k < 9; ++k) {
     if (result.quantile * std::sqrt(eigen.eigenvalues()(k)) <= problem_.max_error) continue;

@@ -248,9 +248,7 @@ void validate(const ErrorModel& model, double begin, const std::vector<double>& 
 template <class Job>
 auto with_size(Eigen::Index states, const Job& job) {
   if (states <= 2) return job(std::integral_constant<int, 2>());
-  if (states <= 3) return job(std::integral_constant<int, 3>());
   if (states <= 4) return job(std::integral_constant<int, 4>());
-  if (states <= 5) return job(std::integral_constant<int, 5>());
   if (states <= 7) return job(std::integral_constant<int, 7>());
   return job(std::integral_constant<int, kMaxErrorStates>());
 }

@@ -26,9 +26,9 @@
 #include "simulation/flight_recorder.hpp"
 #include "simulation/loop/closed_loop_parts.hpp"
 #include "simulation/loop/command_delay.hpp"
-#include "simulation/loop/common_parts.hpp"
 #include "simulation/loop/estimator_slot.hpp"
 #include "simulation/loop/motor_stage.hpp"
+#include "simulation/loop/packed_laws.hpp"
 #include "simulation/loop/rotor_vibration.hpp"
 
 namespace quadtune::internal {

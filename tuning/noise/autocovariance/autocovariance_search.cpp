@@ -162,7 +162,7 @@ AutocovarianceProblem::AutocovarianceProblem(const SampledModel& sampled, const 
   if (told.empty()) return;
   // Variances of which only a combination is determined stay positive, close to their start.
   const MatrixXd seen = columns(Eigen::all, told);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(seen.transpose() * seen);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(seen.transpose() * seen));
   for (Index q = 0; q < seen.cols(); ++q) {
     if (eigen.eigenvalues()(q) > kDeficient) continue;
     for (Index i = 0; i < seen.cols(); ++i)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Computes the matrices of the Kalman filter at a θ, and the likelihood from its sums. Included
-/// where it is instantiated, one size per source file.
+/// only where it is instantiated.
 #pragma once
 
 #include <ceres/jet.h>

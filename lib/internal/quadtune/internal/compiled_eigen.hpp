@@ -110,6 +110,10 @@
   declaration void ColPivHouseholderQR<MatrixXd>::_solve_impl(const VectorXd&, VectorXd&) const; \
   declaration class ColPivHouseholderQR<MatrixXcd>;                                              \
   declaration class CompleteOrthogonalDecomposition<MatrixXd>;                                   \
+  declaration void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const MatrixXd&,       \
+                                                                          MatrixXd&) const;      \
+  declaration void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd&,       \
+                                                                          VectorXd&) const;      \
   declaration class LLT<MatrixXd, Lower>;                                                        \
   declaration LLT<MatrixXd, Lower>& LLT<MatrixXd, Lower>::compute(const EigenBase<MatrixXd>&);   \
   declaration class LDLT<MatrixXd, Lower>;                                                       \

@@ -6,5 +6,7 @@ namespace quadtune::internal {
 
 template std::array<FlightResult, kPackLanes> fly_together<kPackLanes, 4>(
     const std::array<const FlightSetup*, kPackLanes>&, const std::function<bool()>&);
+template std::array<FlightResult, kPackLanes> fly_together<kPackLanes, 0>(
+    const std::array<const FlightSetup*, kPackLanes>&, const std::function<bool()>&);
 
 }  // namespace quadtune::internal

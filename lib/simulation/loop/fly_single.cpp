@@ -6,5 +6,9 @@ namespace quadtune::internal {
 
 template std::array<FlightResult, 1> fly_together<1, 4>(const std::array<const FlightSetup*, 1>&,
                                                         const std::function<bool()>&);
+template std::array<FlightResult, 1> fly_together<1, 0>(const std::array<const FlightSetup*, 1>&,
+                                                        const std::function<bool()>&);
+template std::array<FlightResult, 1> fly_together<1, Eigen::Dynamic>(
+    const std::array<const FlightSetup*, 1>&, const std::function<bool()>&);
 
 }  // namespace quadtune::internal

@@ -1,4 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "simulation/loop/common_parts.hpp"
-
-QUADTUNE_LOOP_PARTS(template, kPackLanes)
