@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/eigen.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <utility>
 
+#include "riccati/extended_matrix.hpp"
 #include "riccati/riccati_parts.hpp"
 #include "riccati/riccati_scaling.hpp"
 
 namespace quadtune::internal {
 namespace {
 
-namespace mp = boost::multiprecision;
-using Real = mp::number<mp::cpp_bin_float<50>, mp::et_off>;
-using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+using Matrix = ExtendedMatrix;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
@@ -35,41 +29,32 @@ struct Solution {
   Matrix K;
 };
 
-Matrix extended(const ConstRef& M) { return M.cast<Real>(); }
-
 Problem extended(const RiccatiEquation& p) {
-  return {p.time,        extended(p.A), extended(p.B),
-          extended(p.Q), extended(p.R), p.has_cross_term() ? extended(p.N) : Matrix()};
-}
-
-Matrix symmetric(const Matrix& M) { return (M + M.transpose()) * Real(0.5); }
-
-bool is_finite(const Matrix& M) {
-  return std::all_of(M.reshaped().begin(), M.reshaped().end(),
-                     [](const Real& x) { return mp::isfinite(x); });
+  return {p.time,      Matrix(p.A), Matrix(p.B),
+          Matrix(p.Q), Matrix(p.R), p.has_cross_term() ? Matrix(p.N) : Matrix()};
 }
 
 /// K = S⁻¹ F with S = R, F = BᵀX + Nᵀ, or, discrete, S = R + BᵀXB, F = BᵀXA + Nᵀ. S need
 /// only be regular: if R is tiny, a Q that is indefinite by rounding may make S indefinite, too.
 bool gain(const Problem& p, Solution& at) {
   const Matrix BtX = p.B.transpose() * at.X;
-  Matrix F = p.continuous() ? BtX : Matrix(BtX * p.A);
-  if (p.N.size() > 0) F += p.N.transpose();
+  Matrix F = p.continuous() ? BtX : BtX * p.A;
+  if (!p.N.empty()) F += p.N.transpose();
   if (p.continuous()) {
-    const Eigen::LLT<Matrix> llt(p.R);
-    if (llt.info() != Eigen::Success) return false;
-    at.K = llt.solve(F);
+    const ExtendedCholesky R(p.R);
+    if (!R.positive_definite()) return false;
+    at.K = R.solve(F);
   } else {
-    at.K = symmetric(p.R + BtX * p.B).partialPivLu().solve(F);
+    at.K = ExtendedLu(symmetric(p.R + BtX * p.B)).solve(F);
   }
-  return is_finite(at.K);
+  return at.K.is_finite();
 }
 
 /// AᵀX + XA - F K + Q with F = XB + N, or AᵀXA - X - F K + Q with F = AᵀXB + N.
 Matrix residual(const Problem& p, const Solution& at) {
   const Matrix XA = at.X * p.A;
-  Matrix F = p.continuous() ? Matrix(at.X * p.B) : Matrix(XA.transpose() * p.B);
-  if (p.N.size() > 0) F += p.N;
+  Matrix F = p.continuous() ? at.X * p.B : XA.transpose() * p.B;
+  if (!p.N.empty()) F += p.N;
   const Matrix rest = p.Q - F * at.K;
   if (p.continuous()) return symmetric(XA + XA.transpose() + rest);
   return symmetric(p.A.transpose() * XA - at.X + rest);
@@ -80,12 +65,11 @@ double relative_residual(const Problem& p, const Solution& at) {
   const Real size = residual(p, at).norm();
   if (size == 0) return 0;
   const Matrix XA = at.X * p.A;
-  Matrix F = p.continuous() ? Matrix(at.X * p.B) : Matrix(XA.transpose() * p.B);
-  if (p.N.size() > 0) F += p.N;
-  const Real shared = Matrix(F * at.K).norm() + p.Q.norm();
-  const Real terms = p.continuous()
-                         ? Real(2 * XA.norm() + shared)
-                         : Real(Matrix(p.A.transpose() * XA).norm() + at.X.norm() + shared);
+  Matrix F = p.continuous() ? at.X * p.B : XA.transpose() * p.B;
+  if (!p.N.empty()) F += p.N;
+  const Real shared = (F * at.K).norm() + p.Q.norm();
+  const Real terms = p.continuous() ? Real(2 * XA.norm() + shared)
+                                    : Real((p.A.transpose() * XA).norm() + at.X.norm() + shared);
   return Real(size / terms).convert_to<double>();
 }
 
@@ -97,12 +81,12 @@ bool solve_lyapunov(const Problem& p, const Matrix& K, const Real& gamma,
   const Index n = p.A.rows();
   Matrix E = p.A - p.B * K;
   if (p.continuous()) {
-    E.diagonal().array() -= gamma;
-    const Matrix F = E.partialPivLu().inverse();
-    if (!is_finite(F)) return false;
-    E = Real(2) * gamma * F;
-    E.diagonal().array() += Real(1);
-    for (Matrix* M : sums) *M = (Real(2) * gamma * (F.transpose() * *M * F)).eval();
+    E.add_to_diagonal(-gamma);
+    const Matrix F = ExtendedLu(E).inverse();
+    if (!F.is_finite()) return false;
+    E = 2 * gamma * F;
+    E.add_to_diagonal(1);
+    for (Matrix* M : sums) *M = 2 * gamma * (F.transpose() * *M * F);
   }
   constexpr int kMaxSquarings = 80;
   const Real vanished("1e-26");  // the next term is of the size of its square
@@ -111,8 +95,8 @@ bool solve_lyapunov(const Problem& p, const Matrix& K, const Real& gamma,
     const Real size = E.norm();
     if (!(size < hopeless)) return false;
     if (size <= vanished) return true;
-    for (Matrix* M : sums) *M += (E.transpose() * *M * E).eval();
-    E = (E * E).eval();
+    for (Matrix* M : sums) *M += E.transpose() * *M * E;
+    E = E * E;
   }
   return n == 0;
 }
@@ -149,38 +133,37 @@ bool plain_problem(const Problem& p, const Eigen::VectorXd& d, const Real& lift,
   Matrix R = symmetric(p.R);
   Real size_R = R.norm();
   // Q weights the inputs after one step or, if BᵀQB is 0, after several.
-  if (!p.continuous()) size_R += p.B.squaredNorm() * p.Q.norm();
-  R.diagonal().array() += lift * size_R;
-  const Eigen::LLT<Matrix> llt(R);
-  if (llt.info() != Eigen::Success) return false;
-  const Matrix Rinv_Bt = llt.solve(Matrix(p.B.transpose()));
+  if (!p.continuous()) size_R += p.B.squared_norm() * p.Q.norm();
+  R.add_to_diagonal(lift * size_R);
+  const ExtendedCholesky factor(R);
+  if (!factor.positive_definite()) return false;
+  const Matrix Rinv_Bt = factor.solve(p.B.transpose());
   plain.A = p.A;
   plain.Q = p.Q;
-  if (p.N.size() > 0) {
+  if (!p.N.empty()) {
     plain.A -= Rinv_Bt.transpose() * p.N.transpose();
-    plain.Q -= p.N * llt.solve(Matrix(p.N.transpose()));
+    plain.Q -= p.N * factor.solve(p.N.transpose());
   }
-  const Matrix D = d.cast<Real>().asDiagonal();
-  const Matrix Dinv = d.cwiseInverse().cast<Real>().asDiagonal();
-  plain.A = (Dinv * plain.A * D).eval();
+  const Matrix D = Matrix::diagonal(d);
+  const Matrix Dinv = Matrix::diagonal(d.cwiseInverse());
+  plain.A = Dinv * plain.A * D;
   plain.G = symmetric(Dinv * (p.B * Rinv_Bt) * Dinv);
   plain.Q = symmetric(D * plain.Q * D);
-  plain.Q.diagonal().array() += lift * (plain.Q.norm() + (lift > 0 ? plain.A.norm() : Real(0)));
-  return is_finite(plain.A) && is_finite(plain.G) && is_finite(plain.Q);
+  plain.Q.add_to_diagonal(lift * (plain.Q.norm() + (lift > 0 ? plain.A.norm() : Real(0))));
+  return plain.A.is_finite() && plain.G.is_finite() && plain.Q.is_finite();
 }
 
 /// Cayley transform at γ; see DoublingSteps::cayley().
 bool cayley(const Plain& p, const Real& gamma, Matrix& E, Matrix& G, Matrix& H) {
   const Index n = p.A.rows();
-  const Matrix A_gamma = p.A - gamma * Matrix::Identity(n, n);
-  const Matrix V = A_gamma.partialPivLu().inverse();
+  const Matrix A_gamma = p.A - gamma * Matrix::identity(n);
+  const Matrix V = ExtendedLu(A_gamma).inverse();
   const Matrix QV = p.Q * V;
-  const Eigen::PartialPivLU<Matrix> W(A_gamma.transpose() + QV * p.G);
-  const Matrix W_inverse = W.inverse();
-  E = Matrix::Identity(n, n) + Real(2) * gamma * W_inverse.transpose();
-  G = symmetric(Real(2) * gamma * (V * p.G * W_inverse));
-  H = symmetric(Real(2) * gamma * (W_inverse * QV));
-  return is_finite(E) && is_finite(G) && is_finite(H);
+  const Matrix W_inverse = ExtendedLu(A_gamma.transpose() + QV * p.G).inverse();
+  E = Matrix::identity(n) + 2 * gamma * W_inverse.transpose();
+  G = symmetric(2 * gamma * (V * p.G * W_inverse));
+  H = symmetric(2 * gamma * (W_inverse * QV));
+  return E.is_finite() && G.is_finite() && H.is_finite();
 }
 
 /// Doubling; see DoublingSteps::iterate(). On return H is the X of the scaled problem.
@@ -191,14 +174,14 @@ bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left
   const Index n = E.rows();
   for (iterations = 1; iterations <= kMaxIterations && steps_left > 0; ++iterations) {
     --steps_left;
-    const Eigen::PartialPivLU<Matrix> W(Matrix::Identity(n, n) + G * H);
+    const ExtendedLu W(Matrix::identity(n) + G * H);
     const Matrix V = W.solve(E);
     const Matrix change = symmetric(E.transpose() * (H * V));
     H += change;
-    if (!is_finite(H)) return false;
+    if (!H.is_finite()) return false;
     if (change.norm() <= stands * H.norm()) return true;
     G += symmetric(E * W.solve(G) * E.transpose());
-    E = (E * V).eval();
+    E = E * V;
   }
   return false;
 }
@@ -206,9 +189,9 @@ bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left
 /// Computes a γ between the slow and the fast poles; see GeometricSpeed.
 double speed(const Plain& p) {
   GeometricSpeed speed;
-  const MatrixXd A = p.A.cast<double>();
-  const MatrixXd G = p.G.cast<double>();
-  const MatrixXd Q = p.Q.cast<double>();
+  const MatrixXd A = p.A.rounded();
+  const MatrixXd G = p.G.rounded();
+  const MatrixXd Q = p.Q.rounded();
   for (Index i = 0; i < A.rows(); ++i) {
     speed.add(A.row(i).squaredNorm() + G.row(i).squaredNorm(),
               A.row(i).lpNorm<1>() + G.row(i).lpNorm<1>());
@@ -270,8 +253,8 @@ double change_by_rounding(const Problem& p, const Real& gamma, const Solution& a
 double rcond_of(const RiccatiEquation& equation, const Problem& p, const Real& gamma,
                 const Solution& at) {
   const Index n = p.A.rows();
-  Matrix h0 = Matrix::Identity(n, n);
-  const Matrix XAc = p.continuous() ? at.X : Matrix(at.X * (p.A - p.B * at.K));
+  Matrix h0 = Matrix::identity(n);
+  const Matrix XAc = p.continuous() ? at.X : at.X * (p.A - p.B * at.K);
   Matrix h2 = XAc.transpose() * XAc;
   if (!solve_lyapunov(p, at.K, gamma, {&h0, &h2})) return std::numeric_limits<double>::min();
   const PlainProblem plain = without_cross_term(equation);
@@ -279,9 +262,9 @@ double rcond_of(const RiccatiEquation& equation, const Problem& p, const Real& g
   norms.A = plain.A.squaredNorm();
   norms.G = (plain.B * plain.B.transpose()).squaredNorm();
   norms.Q = plain.Q.squaredNorm();
-  norms.X = at.X.squaredNorm().convert_to<double>();
-  norms.h0 = h0.squaredNorm().convert_to<double>();
-  norms.h2 = h2.squaredNorm().convert_to<double>();
+  norms.X = at.X.squared_norm().convert_to<double>();
+  norms.h0 = h0.squared_norm().convert_to<double>();
+  norms.h2 = h2.squared_norm().convert_to<double>();
   return norms.reciprocal_condition();
 }
 
@@ -300,7 +283,7 @@ bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, 
     if (!cayley(plain, gamma, E, G, H)) return false;
   }
   if (!double_up(E, G, H, iterations, steps_left)) return false;
-  const Matrix Dinv = d.cwiseInverse().cast<Real>().asDiagonal();
+  const Matrix Dinv = Matrix::diagonal(d.cwiseInverse());
   at.X = Dinv * H * Dinv;
   return gain(p, at) && refine(p, gamma, at);
 }
@@ -310,30 +293,6 @@ bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, 
 int affordable_steps(Index n) {
   const double states = static_cast<double>(std::max<Index>(n, 1));
   return static_cast<int>(std::clamp(420 * std::pow(16 / states, 3), 40.0, 420.0));
-}
-
-/// Eigenvalues from a real Schur form; empty if its iteration did not converge.
-Eigen::VectorXcd eigenvalues_of(const Matrix& M) {
-  const Eigen::RealSchur<Matrix> schur(M, false);
-  if (schur.info() != Eigen::Success) return {};
-  const Matrix& T = schur.matrixT();
-  const Index n = M.rows();
-  Eigen::VectorXcd values(n);
-  for (Index i = 0; i < n; ++i) {
-    if (i + 1 == n || T(i + 1, i) == 0) {
-      values[i] = T(i, i).convert_to<double>();
-      continue;
-    }
-    const Real mean = (T(i, i) + T(i + 1, i + 1)) / 2;
-    const Real half = (T(i, i) - T(i + 1, i + 1)) / 2;
-    const Real square = half * half + T(i, i + 1) * T(i + 1, i);
-    const double root = mp::sqrt(mp::abs(square)).convert_to<double>();
-    const double real = mean.convert_to<double>();
-    values[i] = square < 0 ? std::complex<double>(real, root) : real + root;
-    values[i + 1] = square < 0 ? std::complex<double>(real, -root) : real - root;
-    ++i;
-  }
-  return values;
 }
 
 }  // namespace
@@ -359,21 +318,21 @@ bool solve_extended(const RiccatiEquation& equation, ExtendedSolution& found) {
     // The negative eigenvalues of Q due to rounding may be as large as a tiny R.
     const double rounding =
         std::numeric_limits<double>::epsilon() * static_cast<double>(p.A.rows());
-    p.Q.diagonal().array() += Real(rounding) * p.Q.norm();
+    p.Q.add_to_diagonal(rounding * p.Q.norm());
     decided_by_rounding = true;
     if (!solve()) return false;
   }
-  candidate.X = at.X.cast<double>();
-  candidate.K = at.K.cast<double>();
+  candidate.X = at.X.rounded();
+  candidate.K = at.K.rounded();
   if (!candidate.X.allFinite() || !candidate.K.allFinite()) return false;
   // K is returned in double precision: the loop of the rounded K must be stable, too.
-  const Solution rounded{extended(candidate.X), extended(candidate.K)};
+  const Solution rounded{Matrix(candidate.X), Matrix(candidate.K)};
   if (!solve_lyapunov(p, rounded.K, gamma, {})) return false;
   candidate.residual = relative_residual(p, rounded);
   candidate.rcond = rcond_of(equation, p, gamma, at);
   found.gain_error = decided_by_rounding ? std::numeric_limits<double>::infinity()
                                          : change_by_rounding(p, gamma, at);
-  found.poles = eigenvalues_of(p.A - p.B * rounded.K);
+  found.poles = eigenvalues(p.A - p.B * rounded.K);
   return found.poles.size() > 0;
 }
 
@@ -386,10 +345,13 @@ std::optional<std::complex<double>> axis_eigenvalue(const RiccatiEquation& equat
   if (!plain_problem(p, d, Real(0), plain)) return {};
   const Index n = plain.A.rows();
   Matrix H(2 * n, 2 * n);
-  H << plain.A, -plain.G, -plain.Q, -plain.A.transpose();
+  H.set_block(0, 0, plain.A);
+  H.set_block(0, n, -plain.G);
+  H.set_block(n, 0, -plain.Q);
+  H.set_block(n, n, -plain.A.transpose());
   // Rounding scatters a multiple eigenvalue at 0 over a root of 1e-50, relative to ‖H‖.
   const double scatter = 1e-10 * H.norm().convert_to<double>();
-  for (const std::complex<double>& value : eigenvalues_of(H))
+  for (const std::complex<double>& value : eigenvalues(H))
     if (std::abs(value.real()) <= 1e-10 * (std::abs(value) + scatter))
       return std::complex<double>(0, std::abs(value.imag()) <= scatter ? 0 : value.imag());
   return {};
