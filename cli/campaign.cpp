@@ -89,7 +89,8 @@ void init(Options& options, Context& context) {
 void work(const CommandLine& line, Options& options, Context& context) {
   need(options.folder, "campaign work", "DIR", "a folder with a plan");
   if (!line.was_given("--shard"))
-    refuse("campaign work", "--shard", "--shard is missing, expected the part to fly");
+    refuse("campaign work", "--shard",
+           "--shard is missing, expected the number of the shard to fly");
   const CampaignPlan plan = load_plan(options.folder);
   if (options.shard >= plan.shards)
     refuse("campaign work", "--shard", "--shard is {}, expected 0 to {}", options.shard,

@@ -73,22 +73,24 @@ void add_options(CommandLine& line, Options& options) {
       "--thrust LOW:HIGH", options.thrust,
       "ratios of the rotors' thrust and drag torque (default: that of the vehicle's [spread], or "
       "0.9:1.1)");
-  line.add_option(
-      "--delay LOW:HIGH", options.delay,
-      "delay of the loop beyond the hold [s] (default: from the delay of the commands to that "
-      "delay plus its jitter and one period)");
+  line.add_option("--delay LOW:HIGH", options.delay,
+                  "delay of the loop in addition to the zero-order hold [s] (default: from the "
+                  "delay of the commands to that "
+                  "delay plus its jitter and one period)");
   line.add_option(
       "--lag LOW:HIGH", options.lag,
       "time constant of the motors [s] (default: that of the vehicle, the larger one if "
       "the file has two, with its [spread])");
-  line.add_option("--controller NAME", options.controller,
-                  "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent");
+  line.add_option(
+      "--controller NAME", options.controller,
+      "state-feedback (or lqr), cascaded-pid (or pid); default: every law of the export");
   line.add_option(
       "--integrator METHOD", options.integrator,
       "integration method of a cascade: euler, backward-euler or tustin (default: the export's)");
   line.add_option(
       "--vehicle V", options.vehicle,
-      "the vehicle file, if the vehicle of the manifest is neither built in nor found nearby");
+      "the vehicle file, if the vehicle of the manifest is neither built in nor found near the "
+      "export or in the working folder");
   line.add_option("--plant NAME", options.plant,
                   "flown (default) also analyses vehicles of the box with their sensors and "
                   "estimator; ideal does not");

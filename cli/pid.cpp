@@ -264,16 +264,18 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
                   "with the rules simc and lambda: time constant of the closed loop [s]");
   line.add_number(
       "--Ms-max M", options.cascade.Ms_max,
-      "maximum integral gain with max |S| of at most M; with V: bound of each loop; default 1.4");
+      "upper bound of max |S|, within which the integral gain is maximized; with V: bound of each "
+      "loop; default 1.4");
   line.add_number("--Mt-max M", options.Mt_max, "as --Ms-max, with max |T| of at most M as well");
   line.add_number("--noise-gain-max G", options.noise_gain_max,
                   "as --Ms-max, with max |C S| of at most G as well");
 }
 
 void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {
-  line.add_number("--dt T", options.dt,
-                  "control period [s]; with V, default: that of its published gains, or 0.005; "
-                  "otherwise, print the difference equation at this period");
+  line.add_number(
+      "--dt T", options.dt,
+      "control period [s]; with V, the default is that of its published gains, or 0.005; "
+      "without V, the difference equation at this period is printed as well");
   line.add_option(
       "--bandwidth LIST", options.bandwidth,
       "with V: crossover of the rate loops [rad/s]: roll=40,x=2, or one number for all");
@@ -316,9 +318,11 @@ void add_options(CommandLine& line, Options& options) {
       "flown (default unless the vehicle has a satellite receiver below 5 Hz and no "
       "optical flow): all gains at once on the flown plant; loops: loop by loop, implied by "
       "--bandwidth, --Ms-max and similar options");
-  line.add_option("--plant NAME", options.cascade.plant,
-                  "flown (default), or ideal: the textbook plant with 12 states, loop by loop; the "
-                  "flown loop is reported in both cases");
+  line.add_option(
+      "--plant NAME", options.cascade.plant,
+      "ideal: the textbook plant with 12 states, loop by loop; default: the flown plant, "
+      "or with --method loops the rigid body with motor lag; the flown loop is always "
+      "reported");
   add_cascade_options(line, options.cascade, options.free);
   add_transfer_function_options(line, options);
   add_plot_option(line, options.plot);

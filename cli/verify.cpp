@@ -21,8 +21,10 @@ struct Options {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.directory, "an export's directory");
-  line.add_option("--vehicle V", options.vehicle,
-                  "the vehicle, if that of the manifest is neither built in nor found nearby");
+  line.add_option(
+      "--vehicle V", options.vehicle,
+      "the vehicle, if that of the manifest is neither built in nor found near the export "
+      "or in the working folder");
   line.add_option("--design FILE", options.design,
                   "design file of the export, to solve it again and compare");
   line.add_flag("--arm", options.arm, "also compile flight code for ARM and run it under qemu-arm");

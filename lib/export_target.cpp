@@ -139,7 +139,7 @@ void require_flight_code_name(const std::string& name, const std::string& where)
       std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end())
     return;
   throw InvalidInput(
-      where, fmt::format("'{}' cannot be the prefix of a C program, expected 1 to {} lower-case "
+      where, fmt::format("'{}' cannot be the prefix of names in C, expected 1 to {} lower-case "
                          "letters, digits and _, starting with a letter, and neither a C keyword "
                          "nor the name of a C library header",
                          internal::printable(name), kMaxFlightCodeName));

@@ -181,7 +181,8 @@ void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, Tr
   if (worst > 1e-6) {
     result.status = TrimStatus::no_authority;
     result.culprit = fmt::format(
-        "{} cannot be balanced: rotors that carry the weight leave a torque of {:.3g} N m",
+        "{} cannot be balanced: with the thrusts that carry the weight, a torque of at least "
+        "{:.3g} N m is left",
         kAxes[axis], worst * problem.weight() * problem.arm());
     return;
   }

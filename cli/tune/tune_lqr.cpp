@@ -139,7 +139,7 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
   line.refuse_given(
       {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"},
-      "is for missions and cannot be combined with --match-gains");
+      "applies to flights and cannot be combined with --match-gains, which flies none");
   if (!(options.tolerance > 0))
     refuse(kVerb, "--tolerance", "--tolerance is {}, expected a positive number",
            options.tolerance);

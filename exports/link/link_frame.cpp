@@ -96,8 +96,8 @@ void require_byte(std::span<const std::uint8_t> frame, std::size_t at, std::uint
 void decode_header(std::span<const std::uint8_t> frame, LinkCommand& command) {
   if (frame[0] != kAnswered[0] && frame[0] != kUnanswered[0])
     refuse_frame(
-        fmt::format("byte 1 is {:02x}, expected 04 or 02, because the type states "
-                    "whether an acknowledgement is requested",
+        fmt::format("byte 1, the type, is {:02x}, expected 04 (with acknowledgement) or 02 "
+                    "(without)",
                     frame[0]));
   command.acknowledged = frame[0] == kAnswered[0];
   require_byte(frame, 1, command.acknowledged ? kAnswered[1] : kUnanswered[1],

@@ -151,7 +151,7 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
       return set;
   throw InvalidInput("uquad",
                      fmt::format("no build of the flight program has the states {} with the "
-                                 "integrals '{}', expected those of {}",
+                                 "integrals '{}', expected the states and integrals of {}",
                                  names(gains.states), names(gains.integrals), all_in_words()));
 }
 

@@ -331,7 +331,7 @@ VerifyCheck check_poles(const char* name, const Eigen::VectorXcd& found,
 void check_closed_loop(const std::optional<VerifyModel>& model, const Manifest* manifest,
                        VerifyReport& report) {
   const DiscreteLti* plant = model ? &model->plant : nullptr;
-  VerifyCheck stable{"closed loop is stable", false, "no gains could be read"};
+  VerifyCheck stable{"stability of the closed loop", false, "no gains could be read"};
   if (report.gains && !plant) stable.detail = "not computed: no vehicle to close the loop with";
   if (report.gains && plant) {
     try {

@@ -123,8 +123,8 @@ Eigen::Index checked_grid_size(const std::vector<ScheduleAxis>& axes, const std:
     // Both factors are at most the limit when they are multiplied, so the product does not
     // overflow.
     if (length > kMaxSchedulePoints || size * length > kMaxSchedulePoints)
-      throw InvalidInput(where, fmt::format("the grid exceeds {} points at axis {}; is a "
-                                            "step too small?",
+      throw InvalidInput(where, fmt::format("the grid has more than {} points with axis {}; "
+                                            "is a step too small?",
                                             kMaxSchedulePoints, to_string(axes[a].quantity)));
     size *= length;
   }

@@ -20,8 +20,8 @@ void validate_settings(const ComplementaryFilterSettings<T>& settings, const std
   if (!(settings.bias_time_constant > 0 &&
         settings.bias_time_constant >= 4 * settings.time_constant))
     throw InvalidInput(where, fmt::format("bias_time_constant is {} s, expected at least 4 times "
-                                          "the time constant of {} s because the two otherwise "
-                                          "oscillate against each other",
+                                          "the time constant of {} s because the estimates of "
+                                          "bias and attitude otherwise oscillate",
                                           settings.bias_time_constant, settings.time_constant));
 }
 

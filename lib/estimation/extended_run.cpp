@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune::internal {
 
@@ -82,9 +83,11 @@ ExtendedFilter::ExtendedFilter(FilterModel model, const std::vector<FilterRecord
   if (records.empty()) throw InvalidInput("logs", "there are no records, expected at least one");
   Index max = 0;
   for (const LeftOutRecord& record : left_out_) max = std::max(max, record.measurements);
-  throw InvalidInput(records.front().name,
-                     fmt::format("{} instants with measurements{}, expected at least 2", max,
-                                 records.size() > 1 ? " at most between two gaps" : ""));
+  throw InvalidInput(
+      records.front().name,
+      fmt::format("{}{} with measurements, expected at least 2",
+                  records.size() > 1 ? "every section between two gaps has at most " : "",
+                  internal::counted(max, "instant")));
 }
 
 LinearizedLogs ExtendedFilter::linearize(const Eigen::Ref<const Eigen::VectorXd>& theta,

@@ -194,10 +194,12 @@ void validate(const FilterModel& model, const std::string& where) {
     check_terms(sensor.R, ny, "R of " + of, model, used, where);
     const Eigen::MatrixXd R = covariance(sensor.R, theta);
     if (!(R.llt().info() == Eigen::Success))
-      throw InvalidInput(where,
-                         fmt::format("R of {} is not positive definite at the start, expected "
-                                     "every measurement to have some noise",
-                                     of));
+      throw InvalidInput(
+          where,
+          fmt::format(
+              "R of {} is not positive definite at the initial values of its parameters, expected "
+              "every measurement to have some noise",
+              of));
     check_robustness(sensor, of, where);
     if (!(sensor.delay >= 0) || !std::isfinite(sensor.delay))
       throw InvalidInput(

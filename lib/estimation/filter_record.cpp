@@ -113,15 +113,15 @@ void validate_samples(const FilterRecord& record, const FilterModel& model,
                       const std::string& where) {
   const Index N = record.samples();
   if (N == 0) throw InvalidInput(where, "there are no samples, expected at least one");
-  require_shape(record.y, model.outputs(), N, where, "the measurements",
+  require_shape(record.y, model.outputs(), N, where, "the matrix of measurements",
                 "one row per output, one column per sample");
-  require_shape(record.u, static_cast<Index>(model.inputs.size()), N, where, "the inputs",
+  require_shape(record.u, static_cast<Index>(model.inputs.size()), N, where, "the matrix of inputs",
                 "one row per input, one column per sample");
   require_finite(record.u, where, "the inputs");
   check_times(record, model, where);
   if (record.truth.size() > 0)
-    require_shape(record.truth, static_cast<Index>(model.states.size()), N, where, "the truth",
-                  "one row per state, one column per sample");
+    require_shape(record.truth, static_cast<Index>(model.states.size()), N, where,
+                  "the matrix of true states", "one row per state, one column per sample");
   for (Index k = 0; k < N; ++k) {
     Index first = 0;
     for (const FilterSensor& sensor : model.sensors) {

@@ -170,8 +170,8 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
     require_aid(range.aid, "range", " m2", settings.dt, where);
     if (!(range.min >= 0 && range.min < range.max))
       throw InvalidInput(where,
-                         fmt::format("range.least is {} m and range.greatest is {} m; expected "
-                                     "0 or more and the first to be smaller",
+                         fmt::format("range.least is {} m and range.greatest is {} m, expected "
+                                     "0 <= range.least < range.greatest",
                                      range.min, range.max));
     if (!(range.min_cosine > 0 && range.min_cosine <= 1))
       throw InvalidInput(where, fmt::format("range.least_cosine is {}, expected more than 0 and at "

@@ -24,7 +24,8 @@ void validate_mambo(const MamboEstimatorSettings<T>& settings, const std::string
   require_not_negative(settings.sonar_min, "sonar_least", " m", where);
   if (!(settings.sonar_min < settings.sonar_max))
     throw InvalidInput(where, fmt::format("sonar_least is {} m and sonar_greatest {} m, expected "
-                                          "the first to be smaller because echoes lie between them",
+                                          "sonar_least < sonar_greatest because echoes lie "
+                                          "between them",
                                           settings.sonar_min, settings.sonar_max));
   require_not_negative(settings.sonar_jump, "sonar_jump", " m", where);
   require_not_negative(settings.sonar_deviation, "sonar_deviation", " m", where);

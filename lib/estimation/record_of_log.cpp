@@ -47,8 +47,8 @@ class Builder {
     std::vector<FilterRecord> records = split();
     if (records.empty())
       throw InvalidInput(name_,
-                         "no measurement is within the time of all inputs, expected at least "
-                         "one");
+                         "no measurement lies in the interval that all inputs cover, expected at "
+                         "least one");
     return records;
   }
 
@@ -123,7 +123,8 @@ class Builder {
     for (const double time : {series.time.front(), series.time.back()})
       if (!(std::abs(time - delay - start_) < kMax * unit_))
         throw InvalidInput(
-            name_, fmt::format("'{}' has a sample {:.4g} s after the first of all{}, expected less "
+            name_, fmt::format("'{}' has a sample {:.4g} s after the first sample of all "
+                               "channels{}, expected less "
                                "than {:.2g} s because instants are resolved to {:.2g} s",
                                internal::printable(series.name), time - start_,
                                delay != 0 ? fmt::format(" and a delay of {:.4g} s", delay) : "",

@@ -67,10 +67,11 @@ double parse_number(std::string_view word, const std::string& where) {
 std::size_t parse_row(std::string_view line, const std::string& where,
                       std::vector<double>& values) {
   if (has_decimal_comma(line))
-    throw InvalidInput(where, fmt::format("'{}' has both blanks and commas within numbers, "
-                                          "expected a dot as the decimal sign, or ', ' after each "
-                                          "number",
-                                          internal::printable(line)));
+    throw InvalidInput(where,
+                       fmt::format("'{}' has commas within numbers and blanks between "
+                                   "them, expected a dot as the decimal sign, or ', ' after each "
+                                   "number",
+                                   internal::printable(line)));
   std::size_t count = 0;
   std::size_t i = 0;
   while (true) {

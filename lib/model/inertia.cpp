@@ -79,8 +79,8 @@ void require_inertia(const Eigen::Matrix3d& J, const std::string& where, double 
   if (excess > (tolerance + 1e-9) * I(2))
     throw InvalidInput(
         where, fmt::format("inertia violates the triangle inequality: about {} it is {:.6g} kg m2, "
-                           "which exceeds the sum of the other two, {:.6g}, by {:.3g}; expected at "
-                           "most the sum, which no rigid body exceeds{}",
+                           "which exceeds the sum of the other two, {:.6g}, by {:.3g}; no rigid "
+                           "body has such an inertia{}",
                            axis(2), I(2), I(0) + I(1), excess,
                            tolerance > 0 ? fmt::format(" (inertia_tolerance permits {:.3g})",
                                                        tolerance * I(2))

@@ -75,12 +75,12 @@ class Search {
 
   void environment() {
     look("gravity", "m/s2", vehicle_.gravity, {1.5, 25},
-         {{100, "gravity_m_per_s2 may be in cm/s2"},
-          {9.81 / 32.2, "gravity_m_per_s2 may be in ft/s2"},
-          {0.10197, "gravity_m_per_s2 may be in units of g"}});
+         {{100, "gravity_m_per_s2 seems to be in cm/s2"},
+          {9.81 / 32.2, "gravity_m_per_s2 seems to be in ft/s2"},
+          {0.10197, "gravity_m_per_s2 seems to be in units of g"}});
     look("air density", "kg/m3", vehicle_.air_density, {0.1, 2},
-         {{1e-3, "air_density_kg_per_m3 may be in g/cm3"},
-          {1e3, "air_density_kg_per_m3 may be in g/m3"}});
+         {{1e-3, "air_density_kg_per_m3 seems to be in g/cm3"},
+          {1e3, "air_density_kg_per_m3 seems to be in g/m3"}});
   }
 
   /// m/L³ of multirotors between 10 g and 30 kg is 20 to 1000 kg/m³.
@@ -90,10 +90,10 @@ class Search {
     // The range scales with the cube root of the mass: ten times the arm, a thousand times the
     // mass.
     const std::vector<Mistake> mistakes = {
-        {1000, "position_m may be in mm"},
-        {100, "position_m may be in cm"},
-        {39.37, "position_m may be in inches"},
-        {0.1, "mass_kg may be in g, or position_m too small by a factor of ten"},
+        {1000, "position_m seems to be in mm"},
+        {100, "position_m seems to be in cm"},
+        {39.37, "position_m seems to be in inches"},
+        {0.1, "mass_kg seems to be in g, or position_m is too small by a factor of ten"},
         {10, "position_m may be too large by a factor of ten, or mass_kg too small by a thousand"}};
     return look("arm (mean distance of the rotors from the centre)", "m", arm_, range, mistakes);
   }
@@ -104,11 +104,11 @@ class Search {
     const double size = vehicle_.mass * arm_ * arm_;
     const Eigen::Vector3d moments =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(vehicle_.inertia).eigenvalues();
-    const std::vector<Mistake> units = {{1e7, "inertia_kg_m2 may be in g cm2"},
-                                        {1e4, "inertia_kg_m2 may be in kg cm2"},
-                                        {1e9, "inertia_kg_m2 may be in g mm2"},
-                                        {1e6, "inertia_kg_m2 may be in kg mm2"},
-                                        {1e3, "inertia_kg_m2 may be in g m2"}};
+    const std::vector<Mistake> units = {{1e7, "inertia_kg_m2 seems to be in g cm2"},
+                                        {1e4, "inertia_kg_m2 seems to be in kg cm2"},
+                                        {1e9, "inertia_kg_m2 seems to be in g mm2"},
+                                        {1e6, "inertia_kg_m2 seems to be in kg mm2"},
+                                        {1e3, "inertia_kg_m2 seems to be in g m2"}};
     // One line for all three moments, because they share a key.
     const PlausibleRange range{0.03, 3};
     const double largest = moments(2) / size;
@@ -124,21 +124,21 @@ class Search {
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
     const std::string max = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;
-    if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s may be in rpm"});
+    if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s seems to be in rpm"});
     mistakes.push_back({static_cast<double>(vehicle_.rotors.size()),
                         "the thrust of one rotor may be that of all rotors together"});
     mistakes.insert(mistakes.end(), {{kRpm * kRpm, "the thrust curve may be for speeds in rpm"},
                                      {1 / (kRpm * kRpm), "the motor's gain may give (rpm)2"},
-                                     {1e-3, "mass_kg may be in g, or the thrust curve in kN"},
-                                     {1e3, "the thrust curve may be in mN, or mass_kg in t"},
-                                     {1 / 9.81, "the thrust curve may be in kgf"},
-                                     {1e3 / 9.81, "the thrust curve may be in gf"}});
+                                     {1e-3, "mass_kg seems to be in g, or the thrust curve in kN"},
+                                     {1e3, "the thrust curve seems to be in mN, or mass_kg in t"},
+                                     {1 / 9.81, "the thrust curve seems to be in kgf"},
+                                     {1e3 / 9.81, "the thrust curve seems to be in gf"}});
     // A curve from Ct is proportional to the fourth power of the radius.
     if (kThrustCoefficient.holds(thrust_coefficient()))
       mistakes.insert(mistakes.end(), {{std::pow(2, 4), "radius_m may be the diameter"},
-                                       {std::pow(39.37, 4), "radius_m may be in inches"},
-                                       {std::pow(1e2, 4), "radius_m may be in cm"},
-                                       {std::pow(1e3, 4), "radius_m may be in mm"}});
+                                       {std::pow(39.37, 4), "radius_m seems to be in inches"},
+                                       {std::pow(1e2, 4), "radius_m seems to be in cm"},
+                                       {std::pow(1e3, 4), "radius_m seems to be in mm"}});
     return look("thrust-to-weight at " + max, "", ratio, {1, 10}, mistakes);
   }
 
@@ -149,9 +149,9 @@ class Search {
     const double torque = rotor_torque(rotor, w);
     if (!(torque > 0)) return;  // no drag torque is known
     look("drag torque over thrust of a rotor at hover", "m", torque / thrust_, {5e-4, 0.1},
-         {{1000, "the torque curve may be in N mm"},
-          {100, "the torque curve may be in N cm"},
-          {1e-3, "the torque curve may be in kN m"},
+         {{1000, "the torque curve seems to be in N mm"},
+          {100, "the torque curve seems to be in N cm"},
+          {1e-3, "the torque curve seems to be in kN m"},
           {1 / (kRpm * kRpm), "thrust and torque may be for speeds in different units"},
           {kRpm * kRpm, "thrust and torque may be for speeds in different units"}});
   }
@@ -173,13 +173,13 @@ class Search {
     std::vector<Mistake> mistakes = {
         {1 / kRpm, "the thrust curve may be for speeds in rpm"},
         {1 / (2 * std::numbers::pi), "the thrust curve may be for turns a second"},
-        {std::sqrt(1e-3), "the thrust curve may be in mN"}};
+        {std::sqrt(1e-3), "the thrust curve seems to be in mN"}};
     if (known)
       mistakes.insert(mistakes.end(),
                       {{1 / std::sqrt(std::pow(std::numbers::pi, 3) / 4),
                         "Ct may be that of T = Ct rho n2 D4, expected that of T = Ct rho pi r4 w2"},
                        {4, "radius_m may be the diameter"},
-                       {std::pow(1e3, 2), "radius_m may be in mm"}});
+                       {std::pow(1e3, 2), "radius_m seems to be in mm"}});
     look(fmt::format("rotor speed at hover (for a propeller of {} {:.3g} m)",
                      known ? "radius" : "at most", radius),
          "rad/s", w, range, mistakes);
@@ -210,13 +210,13 @@ class Search {
       lag = std::max(lag, slower_lag(rotor));
       inertia = std::max(inertia, rotor.inertia);
     }
-    if (lag > 0) look("motor lag", "s", lag, {1e-3, 0.5}, {{1000, "lag_s may be in ms"}});
+    if (lag > 0) look("motor lag", "s", lag, {1e-3, 0.5}, {{1000, "lag_s seems to be in ms"}});
     if (inertia > 0 && inertia_fits)
       look("inertia of a rotor over that of the vehicle about z", "", inertia / yaw, {1e-6, 0.05},
-           {{1e7, "inertia_kg_m2 of the rotor may be in g cm2"},
-            {1e4, "inertia_kg_m2 of the rotor may be in kg cm2"},
-            {1e9, "inertia_kg_m2 of the rotor may be in g mm2"},
-            {1e3, "inertia_kg_m2 of the rotor may be in g m2"}});
+           {{1e7, "inertia_kg_m2 of the rotor seems to be in g cm2"},
+            {1e4, "inertia_kg_m2 of the rotor seems to be in kg cm2"},
+            {1e9, "inertia_kg_m2 of the rotor seems to be in g mm2"},
+            {1e3, "inertia_kg_m2 of the rotor seems to be in g m2"}});
   }
 
   /// Energy per mass of the vehicle; the best cells have 300 W h/kg.
@@ -225,7 +225,7 @@ class Search {
     const Battery& battery = *vehicle_.battery;
     const double energy = battery.capacity / 3600 * battery.full_voltage / vehicle_.mass;
     look("energy of the battery over the vehicle's mass", "W h/kg", energy, {1, 400},
-         {{1000, "capacity_A_h may be in mA h"}, {1e-3, "capacity_A_h may be in kA h"}});
+         {{1000, "capacity_A_h seems to be in mA h"}, {1e-3, "capacity_A_h seems to be in kA h"}});
   }
 
   /// Flown loops are not analysed with sensor delays above 40 control periods of 5 ms.
@@ -234,7 +234,7 @@ class Search {
     const auto delay = [&](const char* name, const SensorFaults* faults) {
       if (faults != nullptr && faults->delay > 0)
         look(fmt::format("delay of the {}", name), "s", faults->delay, {1e-5, 0.2},
-             {{1000, "delay_s may be in ms"}});
+             {{1000, "delay_s seems to be in ms"}});
     };
     const auto of = [](const auto& sensor) { return sensor ? &sensor->faults : nullptr; };
     delay("accelerometer", sensors.accelerometer ? &*sensors.accelerometer : nullptr);
@@ -247,7 +247,7 @@ class Search {
     delay("vision", sensors.vision ? &*sensors.vision : nullptr);
     if (vehicle_.motor.delay > 0)
       look("delay of the commands", "s", vehicle_.motor.delay, {1e-5, 0.2},
-           {{1000, "command_delay_s may be in ms"}});
+           {{1000, "command_delay_s seems to be in ms"}});
   }
 
   const Vehicle& vehicle_;

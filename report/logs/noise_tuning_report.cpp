@@ -218,7 +218,7 @@ std::string left_out_lines(const std::vector<LeftOutRecord>& records) {
 }
 
 std::string likelihood_line(const NoiseFit& fit) {
-  return fmt::format("log {} before, {} after", figure(fit.before.value, ".8g"),
+  return fmt::format("log-likelihood {} before, {} after", figure(fit.before.value, ".8g"),
                      figure(fit.after.value, ".8g"));
 }
 

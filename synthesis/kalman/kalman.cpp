@@ -171,8 +171,8 @@ SampledKalman sampled_kalman(const ContinuousLti& model, const KalmanNoise& nois
   const StateNoise mapped = check_and_map(model, noise);
   if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
     throw InvalidInput("kalman",
-                       "N is not zero, expected no cross-covariance of the noise of a sampled "
-                       "problem, because white noise that is held over a sample has none");
+                       "N is not zero, expected zero for a sampled problem, which assumes that "
+                       "the noises of states and measurements are independent");
   const SampledNoise sampled = sampled_noise(model.A, mapped.W, dt);
   SampledKalman result;
   result.model.A = sampled.A;

@@ -116,7 +116,7 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
   refused({"--to", "c", "--adapter", "px4"}, 2,
           "--adapter cannot be combined with a gain schedule");
   refused({"--to", "c", "--force"}, 2, "--force cannot be combined with a gain schedule");
-  refused({"--to", "c", "--name", "9x"}, 2, "cannot be the prefix of a C program");
+  refused({"--to", "c", "--name", "9x"}, 2, "cannot be the prefix of names in C");
   refused({"--to", "c", "--precision", "half"}, 2, "no precision 'half'");
   refused({"--to", "c", "--vehicle", "mambo"}, 3, "for the vehicle 'uquad', expected 'mambo'");
   EXPECT_THAT(run_program({"export", code, "--to", "json", "-o", path("none")}).err,
@@ -148,7 +148,7 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   };
   const std::string gains = path("gains.json"), out = path("other");
   refused({"export", gains, "--to", "c", "-o", out, "--name", "9x"}, 2,
-          "cannot be the prefix of a C program");
+          "cannot be the prefix of names in C");
   refused({"export", gains, "--to", "c", "-o", out, "--precision", "half"}, 2,
           "--precision: no precision 'half', expected float or double");
   refused({"export", gains, "--to", "c", "-o", out, "--law", "state-feedback"}, 3,

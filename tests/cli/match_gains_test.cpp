@@ -224,7 +224,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   refused(with({"--tie", "x,thet"}), 2,
           "--tie: cannot tie the weight of 'thet': unknown name; expected some of: x y z psi");
   refused(with({"--tie", "x,int_thetta"}), 2, "did you mean 'int_theta'?");
-  refused(with({"--tie", "x"}), 2, "--tie: a tie has 1 weights; expected 2 or more");
+  refused(with({"--tie", "x"}), 2, "--tie: a tie has 1 weight; expected 2 or more");
   refused(with({"--tie", "x,y", "--tie", "y,z"}), 2, "--tie: 'y' is in more than one tie");
   refused(with({"--tie", "x,w1"}), 2, "--tie: 'x' and 'w1' are tied; expected only states");
   refused(with({"--tolerance", "0"}), 2, "--tolerance is 0, expected a positive number");

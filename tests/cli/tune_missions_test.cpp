@@ -323,12 +323,12 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
           "--inputs other than wrench requires --Q or --R");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
-          "--report is for missions");
+          "--report applies to flights");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--tie", "x,y"}, 2,
           "--tie requires --match-gains");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
-          "--mission is for missions");
+          "--mission applies to flights");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
           "--convention and --states require --Q or --R");
   const auto file = [&](const std::string& from, const std::string& to) {

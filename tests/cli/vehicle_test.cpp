@@ -36,11 +36,11 @@ TEST(VehicleCheck, WarnsInTextAndJson) {
   EXPECT_THAT(
       text.out,
       HasSubstr("v.toml: warning: largest principal moment over mass times the "
-                "square of the arm is 5.21e+06, expected 0.03 to 3: inertia_kg_m2 may be in g "
+                "square of the arm is 5.21e+06, expected 0.03 to 3: inertia_kg_m2 seems to be in g "
                 "cm2"));
   const SortedJson json = SortedJson::parse(run_program({"vehicle", "check", file, "--json"}).out);
   ASSERT_EQ(json["warnings"].size(), 1);
-  EXPECT_EQ(json["warnings"][0]["cause"], "inertia_kg_m2 may be in g cm2");
+  EXPECT_EQ(json["warnings"][0]["cause"], "inertia_kg_m2 seems to be in g cm2");
   EXPECT_EQ(json["warnings"][0]["plausible"], SortedJson({0.03, 3.0}));
   EXPECT_THAT(run_program({"vehicle", "show", file}).out, HasSubstr("warnings    largest"));
 }
@@ -52,7 +52,7 @@ TEST(VehicleCheck, SaysWhyItMayNotHover) {
       folder.write("v.toml", crazyflie("mass_kg = 0.030", "mass_kg = 30")).string();
   const ProgramResult result = run_program({"vehicle", "check", file});
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, HasSubstr("mass_kg may be in g"));
+  EXPECT_THAT(result.err, HasSubstr("mass_kg seems to be in g"));
 }
 
 // One rotor speeds up faster: for the others, the lag of slowing down is that of both directions.

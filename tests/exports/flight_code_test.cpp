@@ -388,7 +388,7 @@ TEST(FlightCode, RefusesWhatIsNoProgram) {
   for (const char* name :
        {"int", "m", "errno", "A", "9a", "a-b", "a b", "replay", "abcdefghijklmnopqrstuvwxyz"})
     refusal([&](ExportContent& c) { c.flight_code.name = name; },
-            "cannot be the prefix of a C program");
+            "cannot be the prefix of names in C");
   refusal([](ExportContent& c) { c.gains->K(0, 0) = 1e39; }, "law.K: is 1e+39");
 }
 

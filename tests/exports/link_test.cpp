@@ -254,8 +254,7 @@ TEST(DecodeLinkFrame, RefusesWhatIsInNoTable) {
   EXPECT_THAT(refused_frame(kNative, "04 0b 09 0b 00 00 00 02 00 04 00"),
               StartsWith("frame: the id 02 00 04 00 is not a command of the firmware native"));
   EXPECT_EQ(refused_frame(kNative, "01 8b 00 0b 00 00 00 02 00 01 00"),
-            "frame: byte 1 is 01, expected 04 or 02, because the type states whether an "
-            "acknowledgement is requested");
+            "frame: byte 1, the type, is 01, expected 04 (with acknowledgement) or 02 (without)");
   EXPECT_EQ(refused_frame(kNative, "04 0a 09 0b 00 00 00 02 00 01 00"),
             "frame: byte 2 is 0a, expected 0b, because it is the buffer of the type 04");
   EXPECT_EQ(refused_frame(kNative, "02 0b 09 0b 00 00 00 02 00 01 00"),

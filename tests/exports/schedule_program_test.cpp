@@ -244,7 +244,7 @@ TEST(ScheduleCode, RefusesWhatIsNoProgram) {
           "the adapter 'px4' cannot be exported");
   for (const char* name : {"int", "9a", "a-b", "replay", "replay_lines"})
     refusal([&](ExportContent& c) { c.flight_code.name = name; },
-            "cannot be the prefix of a C program");
+            "cannot be the prefix of names in C");
   // In double both are numbers.
   ExportContent content = schedule_content_of(bilinear_schedule(), true);
   content.schedule->K(0, 1) = 1e39;

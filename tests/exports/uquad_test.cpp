@@ -111,9 +111,11 @@ TEST(Uquad, SaysWhichBuildsExist) {
     EXPECT_THAT([&] { (void)uquad_file_set(gains); },
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
-  refusal(numbered(reduced, {"z"}),
-          "no build of the flight program has the states z psi phi theta vqz wqx wqy wqz with the "
-          "integrals 'z', expected those of one of K.txt, K_prop.txt, K_full.txt, K_prop_full.txt");
+  refusal(
+      numbered(reduced, {"z"}),
+      "no build of the flight program has the states z psi phi theta vqz wqx wqy wqz with the "
+      "integrals 'z', expected the states and integrals of one of K.txt, K_prop.txt, K_full.txt, "
+      "K_prop_full.txt");
   Gains gains = numbered(full, {});
   gains.convention = "ned";
   refusal(gains, "the gain is in the convention 'ned', expected 'uquad'");

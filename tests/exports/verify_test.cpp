@@ -205,7 +205,7 @@ TEST(Verify, NoticesEveryMutationHoweverItIsCoveredUp) {
       EXPECT_THAT(failed(report), Contains(expected)) << mutation.name << "\n"
                                                       << all_details(report);
       if (!mutation.readable) {
-        EXPECT_THAT(failed(report), Contains("closed loop is stable")) << mutation.name;
+        EXPECT_THAT(failed(report), Contains("stability of the closed loop")) << mutation.name;
       }
     }
 }
@@ -217,7 +217,7 @@ TEST(Verify, SeesAWrongSignByTheVehicleAlone) {
   content.gains->K = -content.gains->K;
   write_files(directory.path(), uquad_files(*content.gains, {}, {}));
   const VerifyReport report = verify_export(directory.path(), uquad_model());
-  EXPECT_THAT(failed(report), IsSupersetOf({"manifest", "closed loop is stable"}));
+  EXPECT_THAT(failed(report), IsSupersetOf({"manifest", "stability of the closed loop"}));
 }
 
 TEST(Verify, NoticesMissingAndForeignFiles) {
@@ -340,20 +340,21 @@ TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   const TemporaryDirectory directory;
   write_export(directory.path(), ExportKind::uquad, uquad_content());
   EXPECT_THAT(failed(verify_export(directory.path(), std::nullopt)),
-              Contains("closed loop is stable"));
+              Contains("stability of the closed loop"));
   VerifyModel model = uquad_model();
   DiscreteLti& plant = model.plant;
   plant.dt = 0.02;
   EXPECT_THAT(failed(verify_export(directory.path(), model)),
               Contains("sample time is the vehicle model's"));
-  EXPECT_THAT(all_details(verify_export(directory.path(), model)),
-              HasSubstr("FAIL closed loop is stable: open_loop: the gains have a sample period of "
-                        "0.01 s, expected 0.02 s, that of the plant"));
+  EXPECT_THAT(
+      all_details(verify_export(directory.path(), model)),
+      HasSubstr("FAIL stability of the closed loop: open_loop: the gains have a sample period of "
+                "0.01 s, expected 0.02 s, that of the plant"));
   plant.dt = 0.01;
   std::swap(plant.states[0], plant.states[1]);
   plant.states[0].name = "north";
   EXPECT_THAT(all_details(verify_export(directory.path(), model)),
-              HasSubstr("FAIL closed loop is stable: open_loop: no state 'y'"));
+              HasSubstr("FAIL stability of the closed loop: open_loop: no state 'y'"));
 }
 
 TEST(Verify, NoticesAnotherCascade) {

@@ -191,7 +191,7 @@ TEST(UsualDesign, RefusesExportsThatDoNotExistOrHoldNoCascade) {
       {"to: 'json' is requested twice, expected once", {"json", "c", "json"}},
       {"to: 'uquad' holds the gains of a state feedback, expected json, mat, c or a firmware, "
        "because "
-       "the design of a vehicle is a cascade",
+       "a design without a design file is a cascade",
        {"uquad"}}};
   for (const auto& entry : refused)
     EXPECT_THAT([&] { (void)usual_design("crazyflie", entry.second); },
@@ -230,9 +230,10 @@ TEST(VehicleCascade, RefusesFirmwareOptionsThatContradictEachOther) {
   EXPECT_THAT(refusal(options), HasSubstr("setup: set-up 'legacy' is not supported by px4"));
   options.firmware.setup = "";
   options.bandwidth = "20";
-  EXPECT_EQ(refusal(options),
-            "for: for requires the flown plant, expected --method flown, because the loop-by-loop "
-            "rules have no filters");
+  EXPECT_EQ(
+      refusal(options),
+      "for: for requires the flown plant, expected --method flown, because --method loops does "
+      "not include the filters of a firmware");
 }
 
 }  // namespace

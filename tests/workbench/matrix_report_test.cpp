@@ -139,7 +139,7 @@ TEST(MatrixReportBadInput, RefusesWhatAMatrixCannotHold) {
   refused(past, "was given past commands or weights of changes, expected none");
   LqiDesign integrals = design;
   integrals.integrals = {"px"};
-  refused(integrals, "the integrals of a matrix law are 'px', expected px py pz yaw");
+  refused(integrals, "the integrals of this matrix law are 'px', expected px py pz yaw");
   LqiDesign weights = design;
   weights.Q_integral = Eigen::Vector4d(1, 1, 0, 1);
   refused(weights, "the weights of pz and of its integral are");

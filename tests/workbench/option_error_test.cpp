@@ -86,7 +86,7 @@ TEST(OptionError, ComesFromAMissionOfADesignWithoutAFile) {
   EXPECT_EQ(law->option(), "controller");
   EXPECT_STREQ(law->what(),
                "controller of the mission 'hover' is state-feedback, expected the law "
-               "that is designed");
+               "that is designed, cascaded-pid");
 }
 
 // As for a design file with both.

@@ -12,6 +12,7 @@
 #include "gains/gain_search.hpp"
 #include "gains/weight_description.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -91,8 +92,8 @@ std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
       group.push_back(static_cast<int>(index));
     }
     if (group.size() < 2)
-      throw InvalidInput(kMatchWhere,
-                         fmt::format("a tie has {} weights; expected 2 or more", group.size()));
+      throw InvalidInput(kMatchWhere, fmt::format("a tie has {}; expected 2 or more",
+                                                  internal::counted(group.size(), "weight")));
   }
   for (std::size_t i = 0; i < names.size(); ++i)
     if (!tied[i]) groups.push_back({static_cast<int>(i)});

@@ -71,8 +71,8 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
       table.has("name") ? table.word("name") : std::filesystem::path(gains).stem().string();
   // The name is used for a file and as the value of a column.
   if (!is_word(design.name))
-    throw InvalidInput(table.where(), fmt::format("gains '{}' do not give the design a name; add "
-                                                  "name = \"…\"",
+    throw InvalidInput(table.where(), fmt::format("no name of a design can be made from the gains "
+                                                  "'{}'; add name = \"…\"",
                                                   internal::printable(gains)));
   design.gains = gains_beside(table, folder, gains);
   design.controller = table.text_or("controller", "");

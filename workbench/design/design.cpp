@@ -154,8 +154,9 @@ void complete(MissionRequest& mission, const Design& design) {
       (mission.controller == kCascadedPid ? !design.cascade : !has_feedback(design)))
     throw OptionError("controller",
                       fmt::format("controller of the mission '{}' is {}, expected the law that is "
-                                  "designed",
-                                  internal::printable(mission.mission), mission.controller));
+                                  "designed, {}",
+                                  internal::printable(mission.mission), mission.controller,
+                                  design.cascade ? kCascadedPid : kStateFeedback));
 }
 
 /// Gains designed on the flown plant if this is the default and a solution exists.

@@ -51,7 +51,7 @@ void require(const Vehicle& vehicle, const LqiDesign& design) {
     refuse("a matrix law was given past commands or weights of changes",
            "none, because it has no memory of its commands");
   if (design.integrals != standard_integrals())
-    refuse(fmt::format("the integrals of a matrix law are '{}'",
+    refuse(fmt::format("the integrals of this matrix law are '{}'",
                        internal::joined(design.integrals, " ")),
            fmt::format("{}", internal::joined(standard_integrals(), " ")));
 }

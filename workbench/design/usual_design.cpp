@@ -36,7 +36,7 @@ const std::string& checked_export(const std::string& name, const std::vector<std
     if (export_target(name, "").needs_gains)
       refuse(
           fmt::format("'{}' holds the gains of a state feedback, expected json, mat, c or "
-                      "a firmware, because the design of a vehicle is a cascade",
+                      "a firmware, because a design without a design file is a cascade",
                       name));
   } catch (const OptionError&) {
     throw;

@@ -131,12 +131,12 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
   const std::vector<Firmware> firmwares = firmware_of(options);
   if (!firmwares.empty() && !on_flown_plant)
     throw OptionError("for",
-                      "for requires the flown plant, expected --method flown, because the "
-                      "loop-by-loop rules have no filters");
+                      "for requires the flown plant, expected --method flown, because "
+                      "--method loops does not include the filters of a firmware");
   if (options.rate_lead && !on_flown_plant)
     throw OptionError("rate-lead",
-                      "rate-lead requires the flown plant, expected --method flown, because the "
-                      "loop-by-loop rules have no lead");
+                      "rate-lead requires the flown plant, expected --method flown, because "
+                      "--method loops has no lead");
   if (on_flown_plant) {
     result.flown = cascade_on_flown_plant(vehicle, specification, firmwares, options);
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),

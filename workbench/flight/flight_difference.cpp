@@ -131,7 +131,7 @@ FlightPair flight_pair(const std::string& what, FlightOptions flight,
     throw InvalidInput("compare", fmt::format("no comparison '{}', expected {}", what,
                                               internal::joined(compared_things(), ", ")));
   if (!(flight.*at->option).empty())
-    throw OptionError(at->key, fmt::format("{} cannot be set for the comparison {}, because {}",
+    throw OptionError(at->key, fmt::format("{} does not apply to the comparison '{}', because {}",
                                            at->key, what, at->because));
   if (what == "flow" && flight.estimator.empty()) flight.estimator = "mambo-original";
   if (what == "flow" || what == "integrators") flight = as_the_model_project(flight);

@@ -284,11 +284,11 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     cascade->method = words.integrator.value_or(cascade->method);
   } else if (words.integrator) {
-    throw OptionError("integrator", law.on_board
-                                        ? "integrator is only for a cascaded PID: the loops of an "
-                                          "autopilot integrate by Euler's rule"
-                                        : "integrator is only for a cascaded PID: a state "
-                                          "feedback sums its error once per sample");
+    throw OptionError("integrator",
+                      law.on_board ? "integrator does not apply to the law of an autopilot, "
+                                     "which integrates by Euler's rule"
+                                   : "integrator does not apply to a state feedback, which "
+                                     "sums its error once per sample; expected a cascaded PID");
   }
   setup.allocation = words.allocation;
   setup.real_sensors = words.real_sensors;

@@ -114,8 +114,8 @@ double even_period(const LogSeries& series, const std::string& where) {
       throw InvalidInput(
           where,
           fmt::format("'{}' has a gap: sample {}, at {:.9g} s, is {:.6g} s after the previous "
-                      "one, expected {:.6g} s (the median), because means over a gap "
-                      "would have another length",
+                      "one, expected {:.6g} s (the median), because an average across "
+                      "the gap would span more time",
                       internal::printable(series.name), i + 2, t[i + 1], steps[i], *middle));
   return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
 }

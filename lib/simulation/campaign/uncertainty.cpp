@@ -234,8 +234,8 @@ void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorX
                          fmt::format("the vehicle '{}' has no drag, so that wind has no effect "
                                      "on it; expected drag of the body or of the rotors",
                                      setup.vehicle.name));
-    throw InvalidInput(name, fmt::format("the vehicle '{}' has no part that this quantity ({}) "
-                                         "changes; expected a quantity of a part that it has",
+    throw InvalidInput(name, fmt::format("the file of the vehicle '{}' has nothing that this "
+                                         "quantity ({}) changes",
                                          setup.vehicle.name, effect.quantity.meaning));
   }
 }

@@ -424,12 +424,13 @@ TEST_F(Campaign, RefusesBadFiles) {
   EXPECT_THAT(refusal(with("[[mission]]\nmission = \"hover\"\nduration_s = 1\n", "")),
               HasSubstr("[[mission]] is missing; expected at least one"));
   EXPECT_THAT(refusal(with("gains = \"published\"", "gains = \"my,gains.json\"")),
-              HasSubstr("gains 'my,gains.json' do not give the design a name"));
+              HasSubstr("no name of a design can be made from the gains 'my,gains.json'"));
   EXPECT_THAT(refusal(with("gains = \"published\"", "gains = \"gains/\"")),
-              HasSubstr("gains 'gains/' do not give the design a name"));
-  EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"", "quantity = \"gps_noise\"")),
-              HasSubstr("published in hover: gps_noise: the vehicle 'mambo' has no part that this "
-                        "quantity (noise of the GPS receiver) changes"));
+              HasSubstr("no name of a design can be made from the gains 'gains/'"));
+  EXPECT_THAT(
+      refusal(with("quantity = \"gyroscope_noise\"", "quantity = \"gps_noise\"")),
+      HasSubstr("published in hover: gps_noise: the file of the vehicle 'mambo' has nothing "
+                "that this quantity (noise of the GPS receiver) changes"));
   EXPECT_THAT(refusal(with("failures = 1", "failures = -1")), HasSubstr("failures"));
   EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"\nlog_normal",
                            "quantity = \"wind_north\"\nnormal")),
@@ -494,7 +495,8 @@ TEST_F(Campaign, RefusesBadCommandLines) {
   refuses({"campaign"}, 2, "init, work, status, merge, run or replay");
   refuses({"campaign", "worc"}, 2, "did you mean 'work'?");
   refuses({"campaign", "init"}, 2, "expected a campaign file and a folder");
-  refuses({"campaign", "work", path("out")}, 2, "--shard is missing, expected the part to fly");
+  refuses({"campaign", "work", path("out")}, 2,
+          "--shard is missing, expected the number of the shard to fly");
   refuses({"campaign", "work", path("out"), "--shard", "1"}, 2, "--shard is 1, expected 0 to 0");
   refuses({"campaign", "work", path("nowhere"), "--shard", "0"}, 5, "nowhere/plan.json");
   refuses({"campaign", "replay", path("out"), "--flight", "24"}, 2,

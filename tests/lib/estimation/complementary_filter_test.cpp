@@ -255,7 +255,7 @@ TEST(ComplementaryFilter, RefusesWhatCannotRun) {
           "force_band is 0, expected more than 0 because it divides");
   refused([](Settings& s) { s.bias_time_constant = 3; },
           "bias_time_constant is 3 s, expected at least 4 times the time constant of 1 s because "
-          "the two otherwise oscillate against each other");
+          "the estimates of bias and attitude otherwise oscillate");
 }
 
 }  // namespace

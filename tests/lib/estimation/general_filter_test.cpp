@@ -936,8 +936,8 @@ TEST(GeneralFilter, RefusesWhatCannotRun) {
   refusal([](auto& s) { s.gyroscope.lag = 0.1; },
           "gyroscope.lag is 0.1 s, expected 0 to 16 control periods of 0.005 s");
   refusal([](auto& s) { s.range->max = 0; },
-          "range.least is 0.03 m and range.greatest is 0 m; expected 0 or more and the first to be "
-          "smaller");
+          "range.least is 0.03 m and range.greatest is 0 m, expected 0 <= range.least < "
+          "range.greatest");
   refusal(
       [](auto& s) { s.pressure->fall = 12; },
       "pressure.fall is 12 Pa/m, expected a negative number because pressure falls with height");

@@ -565,9 +565,10 @@ TEST(MamboEstimator, RefusesWhatCannotRun) {
           "altitude_R is 0 m2, expected a positive number");
   refused([](MamboSettings& s) { s.velocity_Q = -1; },
           "velocity_Q is -1 m2/s2, expected 0 or more and finite because it is a variance");
-  refused([](MamboSettings& s) { s.sonar_min = 6; },
-          "sonar_least is 6 m and sonar_greatest 5 m, expected the first to be smaller because "
-          "echoes lie between them");
+  refused(
+      [](MamboSettings& s) { s.sonar_min = 6; },
+      "sonar_least is 6 m and sonar_greatest 5 m, expected sonar_least < sonar_greatest because "
+      "echoes lie between them");
   refused([](MamboSettings& s) { s.gyro_lag = kNaN; }, "gyro_lag is nan s, expected 0 or more");
   refused([](MamboSettings& s) { s.aligned_periods = 33; },
           "aligned_periods is 33, expected 0 to 32");

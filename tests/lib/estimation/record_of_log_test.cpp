@@ -101,10 +101,12 @@ TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
           "a.csv: the model 'altitude' has no 'heigth', expected one of az, height; did you mean "
           "'height'?");
   refused({{"az", some}, {"az", some}}, "a.csv: 'az' is given twice, expected once");
-  refused({{"az", series("c", "", {0, 0.1}, {1, 2})}, {"height", series("h", "", {5, 6}, {1, 2})}},
-          "a.csv: no measurement is within the time of all inputs, expected at least one");
+  refused(
+      {{"az", series("c", "", {0, 0.1}, {1, 2})}, {"height", series("h", "", {5, 6}, {1, 2})}},
+      "a.csv: no measurement lies in the interval that all inputs cover, expected at least one");
   refused({{"az", some}, {"height", series("h", "", {0, 1e12}, {1, 2})}},
-          "a.csv: 'h' has a sample 1e+12 s after the first of all, expected less than 4e+11 s "
+          "a.csv: 'h' has a sample 1e+12 s after the first sample of all channels, expected less "
+          "than 4e+11 s "
           "because instants are resolved to 1e-07 s");
   FilterModel discrete = load_filter_model("local-level");
   discrete.dt = 1;

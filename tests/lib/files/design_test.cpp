@@ -386,7 +386,7 @@ INSTANTIATE_TEST_SUITE_P(
             "d.toml:16: no export to 'uqad', expected uquad, "
             "mambo, json, mat, c, px4, ardupilot, betaflight, crazyflie; did you mean 'uquad'?"},
         Refusal{"FlightCodeName", 16, "to = 'c'\nname = '9x'",
-                "d.toml:17: '9x' cannot be the prefix of a C program"},
+                "d.toml:17: '9x' cannot be the prefix of names in C"},
         Refusal{"FlightCodeLaw", 16, "to = 'c'\nlaw = 'lqr'",
                 "d.toml:17: no law 'lqr', expected cascaded-pid or state-feedback"},
         Refusal{"FlightCodePrecision", 16, "to = 'c'\nprecision = 'half'",

@@ -77,10 +77,10 @@ INSTANTIATE_TEST_SUITE_P(
                       "file:3: row has 3 numbers, expected 4 as in row 1"},
         MatrixRefusal{"Empty", "", "file: has no numbers, expected a row of numbers on each line"},
         MatrixRefusal{"OnlyComments", "# nothing\n\n", "file: has no numbers"},
-        MatrixRefusal{
-            "DecimalComma", "1 2\n0,5 1,5\n",
-            "file:2: '0,5 1,5' has both blanks and commas within numbers, expected a dot as the "
-            "decimal sign"},
+        MatrixRefusal{"DecimalComma", "1 2\n0,5 1,5\n",
+                      "file:2: '0,5 1,5' has commas within numbers and blanks between them, "
+                      "expected a dot as the "
+                      "decimal sign"},
         MatrixRefusal{"DecimalCommaAndSeparator", "1,5, 2,5", "expected a dot as the decimal sign"},
         MatrixRefusal{"Word", "1 two", "file:1: 'two' is not a number"},
         MatrixRefusal{"TrailingLetters", "1 2.5m", "file:1: '2.5m' is not a number"},

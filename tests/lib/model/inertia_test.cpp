@@ -78,15 +78,14 @@ TEST(RequireInertia, ReportsTheAxisThatViolatesTheTriangleInequality) {
       [] { require_inertia(Eigen::Vector3d(1e-5, 2e-5, 4e-5).asDiagonal(), "file:3"); },
       ThrowsMessage<InvalidInput>(StrEq(
           "file:3: inertia violates the triangle inequality: about z it is 4e-05 kg m2, which "
-          "exceeds the sum of the other two, 3e-05, by 1e-05; expected at most the sum, which no "
-          "rigid body exceeds")));
+          "exceeds the sum of the other two, 3e-05, by 1e-05; no rigid body has such an "
+          "inertia")));
   EXPECT_NO_THROW(require_inertia(Eigen::Vector3d(1e-5, 2e-5, 3e-5).asDiagonal(), "a plate"));
   const Eigen::Matrix3d measured = Eigen::Vector3d(1e-5, 2e-5, 3.1e-5).asDiagonal();
   EXPECT_NO_THROW(require_inertia(measured, "here", 0.04));
   EXPECT_THAT([&] { require_inertia(measured, "here", 0.02); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("by 1e-06; expected at most the sum, which no rigid body exceeds "
-                            "(inertia_tolerance permits 6.2e-07)")));
+              ThrowsMessage<InvalidInput>(HasSubstr("by 1e-06; no rigid body has such an inertia "
+                                                    "(inertia_tolerance permits 6.2e-07)")));
 }
 
 TEST(RequireInertia, RefusesWhatIsNoInertia) {

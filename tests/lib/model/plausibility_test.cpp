@@ -41,7 +41,7 @@ TEST(Plausibility, DetectsWrongUnits) {
       {"kg cm2", [](Vehicle& v) { v.inertia *= 1e4; }},
       {"g mm2", [](Vehicle& v) { v.inertia *= 1e9; }},
       {"power of ten", [](Vehicle& v) { v.inertia *= 1e-3; }},
-      {"mass_kg may be in g", [](Vehicle& v) { v.mass *= 1000; }},
+      {"mass_kg seems to be in g", [](Vehicle& v) { v.mass *= 1000; }},
       {"mm",
        [](Vehicle& v) {
          for (Rotor& r : v.rotors) r.position *= 1000;
@@ -134,9 +134,9 @@ TEST(Plausibility, DetectsTheOtherThrustCoefficient) {
 // A thrust curve from Ct is proportional to the fourth power of the radius.
 TEST(Plausibility, FindsAWrongRadiusBehindTheThrustCurve) {
   const std::pair<double, std::string> wrong[] = {{2, "radius_m may be the diameter"},
-                                                  {39.37, "radius_m may be in inches"},
-                                                  {100, "radius_m may be in cm"},
-                                                  {1000, "radius_m may be in mm"}};
+                                                  {39.37, "radius_m seems to be in inches"},
+                                                  {100, "radius_m seems to be in cm"},
+                                                  {1000, "radius_m seems to be in mm"}};
   for (const auto& [factor, cause] : wrong) {
     Vehicle vehicle = load_vehicle("mambo");
     scale(vehicle, &Rotor::radius, factor);
@@ -197,14 +197,14 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   const std::vector<Implausibility> found = find_implausible_values(vehicle);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(to_string(found[0]),
-            "delay of the gyroscope is 5 s, expected 1e-05 to 0.2 s: delay_s may be in ms");
+            "delay of the gyroscope is 5 s, expected 1e-05 to 0.2 s: delay_s seems to be in ms");
   EXPECT_EQ(found[1].quantity, "delay of the optical flow");
-  EXPECT_EQ(found[2].cause, "command_delay_s may be in ms");
+  EXPECT_EQ(found[2].cause, "command_delay_s seems to be in ms");
 }
 
 TEST(Plausibility, ReportsQuantityRangeAndCause) {
-  EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
-            "motor lag is 72 s, expected 0.001 to 0.5 s: lag_s may be in ms");
+  EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s seems to be in ms"}),
+            "motor lag is 72 s, expected 0.001 to 0.5 s: lag_s seems to be in ms");
 }
 
 }  // namespace

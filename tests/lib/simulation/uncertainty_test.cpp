@@ -248,12 +248,13 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
   };
   EXPECT_THAT(applied("gps_noise"),
               ThrowsMessage<InvalidInput>(
-                  StrEq("gps_noise: the vehicle 'mambo' has no part that this quantity (noise of "
-                        "the GPS receiver) changes; expected a quantity of a part that it has")));
+                  StrEq("gps_noise: the file of the vehicle 'mambo' has nothing that this quantity "
+                        "(noise of the GPS receiver) changes")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
-  EXPECT_THAT(applied("drag"), ThrowsMessage<InvalidInput>(HasSubstr(
-                                   "has no part that this quantity (drag of body and rotors)")));
+  EXPECT_THAT(applied("drag"),
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("has nothing that this quantity (drag of body and rotors) changes")));
   for (const char* name : {"wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
     EXPECT_THAT(applied(name), ThrowsMessage<InvalidInput>(HasSubstr("'mambo' has no drag")))
         << name;

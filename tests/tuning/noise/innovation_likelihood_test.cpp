@@ -376,7 +376,8 @@ TEST(InnovationLikelihood, NamesErrorsOfAModelOrALog) {
           "filter model: C of sensor 'y' has only zeros in row 1, expected a measurement that "
           "depends on a state");
   refused([](FilterModel& m, FilterRecord&) { m.sensors[0].R.scaled.clear(); },
-          "filter model: R of sensor 'y' is not positive definite at the start, expected every "
+          "filter model: R of sensor 'y' is not positive definite at the initial values of its "
+          "parameters, expected every "
           "measurement to have some noise");
   refused(
       [](FilterModel& m, FilterRecord&) { m.P0(0, 0) = 1; },
@@ -388,7 +389,8 @@ TEST(InnovationLikelihood, NamesErrorsOfAModelOrALog) {
           "nile: the time from sample 3 to 4 is 1.4 s, expected a multiple of the model's period 1 "
           "s because it is discrete");
   refused([](FilterModel&, FilterRecord& r) { r.y.resize(2, 100); },
-          "nile: the measurements is 2x100, expected 1x100 (one row per output, one column per "
+          "nile: the matrix of measurements is 2x100, expected 1x100 (one row per output, one "
+          "column per "
           "sample)");
   EXPECT_THAT([&] { (void)parameter_index(model, "Q.levl", "--fix"); },
               ThrowsMessage<InvalidInput>(

@@ -156,9 +156,11 @@ TEST(RigidBodyFilter, ExcludesARecordWithOneMeasurement) {
   EXPECT_EQ(InnovationLikelihood(model, with.records).evaluate(start_of(model)).value,
             InnovationLikelihood(model, without.records).evaluate(start_of(model)).value);
   torn = {torn[1], torn[1]};
-  EXPECT_THAT([&] { (void)nonlinear_filter(model, torn); },
-              ThrowsMessage<InvalidInput>(HasSubstr("between gaps: 1 instants with measurements at "
-                                                    "most between two gaps, expected at least 2")));
+  EXPECT_THAT(
+      [&] { (void)nonlinear_filter(model, torn); },
+      ThrowsMessage<InvalidInput>(HasSubstr("between gaps: every section between two gaps has at "
+                                            "most 1 instant with measurements, expected at "
+                                            "least 2")));
 }
 
 TEST(RigidBodyFilter, StopsWhenAsked) {

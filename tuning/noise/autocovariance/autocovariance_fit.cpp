@@ -17,6 +17,7 @@
 #include "noise/constant_measurements.hpp"
 #include "noise/noise_description.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/matrix_checks.hpp"
 
@@ -333,9 +334,10 @@ AutocovarianceFit fit_autocovariances(const FilterModel& model,
   const Index ny = model.outputs();
   if (given.of.empty() || given.pairs.size() != given.of.size())
     throw InvalidInput("autocovariances",
-                       fmt::format("{} lags and {} counts of pairs; expected one count per lag "
-                                   "and at least lag 0",
-                                   given.of.size(), given.pairs.size()));
+                       fmt::format("{} and {} of pairs, expected one of each for "
+                                   "every lag from 0 on",
+                                   internal::counted(given.of.size(), "matrix", "matrices"),
+                                   internal::counted(given.pairs.size(), "count")));
   for (std::size_t j = 0; j < given.of.size(); ++j) {
     require_shape(given.of[j], ny, ny, "autocovariances", fmt::format("lag {}", j),
                   "one row and column per output");

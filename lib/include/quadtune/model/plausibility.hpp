@@ -29,7 +29,7 @@ struct Implausibility {
 /// Theory: "Plausible vehicles".
 [[nodiscard]] std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle);
 
-/// "thrust-to-weight is 138.7, plausible is 1 to 10: max_rad_s may be in rpm".
+/// "thrust-to-weight is 138.7, plausible is 1 to 10: max_rad_s seems to be in rpm".
 [[nodiscard]] std::string to_string(const Implausibility& figure);
 
 }  // namespace quadtune
