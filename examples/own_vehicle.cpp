@@ -22,7 +22,7 @@ void print_margins(const quadtune::MarginsReport& margins) {
     std::cout << "  warning: " << warning << '\n';
 }
 
-/// The verdict on a flight, what was chosen for it, and why it failed where it did.
+/// The verdict on a flight, the choices made for it and, if it failed, the reasons.
 void print_flight(const quadtune::FlownFlight& flight) {
   std::cout << flight.plan.setup.mission.name << ", " << flight.plan.sensors
             << " sensors, estimator " << flight.plan.estimator << ": "

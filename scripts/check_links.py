@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the links of Markdown files: check_links.py FILE...
+"""Checks the links and tables of Markdown files: check_links.py FILE...
 
 Relative links must lead to a file or folder of the project, and their #anchors to a heading there.
-Links to the web are not followed. Prints one line per broken link; exit status 1 if there is one.
+Links to the web are not followed. Each row of a table must be one line. Prints one line per
+problem; exit status 1 if there is one.
 """
 
 import os
@@ -68,10 +69,25 @@ def problem(source, target):
     return None
 
 
+def broken_rows(path):
+    """Numbers of the lines within tables that are not a whole row."""
+    in_table = False
+    for number, line in prose_lines(path):
+        if re.match(r"\s*\|[-:| ]+\|\s*$", line):
+            in_table = True
+        elif not line.strip():
+            in_table = False
+        elif in_table and not re.match(r"\s*\|.*\|\s*$", line):
+            yield number
+
+
 def main(files):
     broken = 0
     for name in files:
         source = Path(name)
+        for number in broken_rows(source):
+            print(f"{source}:{number}: this line of a table is not a whole row")
+            broken += 1
         for number, line in prose_lines(source):
             prose = re.sub(r"`[^`]*`", "", line)
             targets = LINK.findall(prose) + REFERENCE.findall(prose)
