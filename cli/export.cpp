@@ -216,7 +216,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option(
       "--vehicle V", options.vehicle,
       "the vehicle, if the one that the gains name is neither built in nor, if SOURCE is "
-      "an export, found nearby");
+      "an export, found near it or in the working folder");
   line.add_option("--name NAME", options.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");

@@ -42,10 +42,9 @@ std::vector<Samples> in_samples(const Eigen::VectorXd& delays, Index channels, d
     total += delays[i] / dt;
     if (total > kMaxSamples)
       throw InvalidInput(
-          "delays",
-          fmt::format("the delays of {}s 1 to {} are {:.6g} samples in total, expected at "
-                      "most {} because each sample is a state",
-                      what, i + 1, total, kMaxSamples));
+          "delays", fmt::format("the delays, including that of {} {}, add up to {:.6g} samples, "
+                                "expected at most {} because each sample is a state",
+                                what, i + 1, total, kMaxSamples));
     all[static_cast<std::size_t>(i)] = internal::in_samples(delays[i], dt, "delays");
   }
   return all;

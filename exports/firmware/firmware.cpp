@@ -89,8 +89,9 @@ Firmware firmware(FirmwareKind kind, const FirmwareOptions& options, const std::
   Firmware result{kind, version_of(kind, options.version, where), options.setup};
   const std::vector<std::string> setups = firmware_setups(kind);
   if (setups.empty() && !options.setup.empty())
-    throw InvalidInput(where, fmt::format("set-up '{}' is not supported by {}; only a "
-                                          "Crazyflie's firmware scales thrust by its propellers",
+    throw InvalidInput(where, fmt::format("set-up '{}' does not apply to {}, but only to a "
+                                          "Crazyflie, whose firmware scales thrust by its "
+                                          "propellers",
                                           internal::printable(options.setup), to_string(kind)));
   if (setups.empty()) return result;
   if (result.setup.empty()) result.setup = setups.front();

@@ -54,17 +54,17 @@ void require_aid(const Aid& aid, const std::string& name, const char* unit, doub
   require_positive(aid.variance, (name + ".variance").c_str(), unit, where);
   require_positive(aid.scale, (name + ".scale").c_str(), "", where);
   if (!(aid.lag >= 0 && aid.lag <= kMaxHistoryPeriods * dt * (1 + 1e-9)))
-    throw InvalidInput(where,
-                       fmt::format("{}.lag is {} s, expected 0 to {} control periods of {} s", name,
-                                   aid.lag, kMaxHistoryPeriods, dt));
+    throw InvalidInput(
+        where, fmt::format("{}.lag is {:.6g} s, expected 0 to {} control periods of {} s", name,
+                           aid.lag, kMaxHistoryPeriods, dt));
 }
 
 void require_inertial(const InertialAid& aid, const std::string& name, double dt,
                       const std::string& where) {
   if (!(aid.lag >= 0 && aid.lag <= kMaxHorizonPeriods * dt * (1 + 1e-9)))
-    throw InvalidInput(where,
-                       fmt::format("{}.lag is {} s, expected 0 to {} control periods of {} s", name,
-                                   aid.lag, kMaxHorizonPeriods, dt));
+    throw InvalidInput(
+        where, fmt::format("{}.lag is {:.6g} s, expected 0 to {} control periods of {} s", name,
+                           aid.lag, kMaxHorizonPeriods, dt));
   for (int i = 0; i < 3; ++i) require_positive(aid.scale(i), (name + ".scale").c_str(), "", where);
   for (int i = 0; i < 3; ++i) {
     require_variance(aid.density(i), (name + ".density").c_str(), "", where);

@@ -228,7 +228,7 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 2,
           "px4 has no version '1.2', expected one of 1.17, 1.16, 1.15, 1.14");
   refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2,
-          "--setup: set-up 'legacy' is not supported by px4");
+          "--setup: set-up 'legacy' does not apply to px4");
   refused({"export", gains, "--to", "json", "-o", out, "--vehicle", "uquad"}, 2,
           "--vehicle is 'uquad', expected ");
   refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,

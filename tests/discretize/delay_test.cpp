@@ -179,7 +179,8 @@ TEST(Delays, RefusesBadDelays) {
   message({VectorXd::Constant(1, -0.01), {}}, "the delay of input 1 is -0.01 s, expected a finite");
   message({{}, VectorXd::Constant(1, std::nan(""))}, "the delay of output 1 is nan s");
   message({VectorXd::Constant(1, 1e9), {}},
-          "delays: the delays of inputs 1 to 1 are 1e+11 samples in total, expected at most 2000");
+          "delays: the delays, including that of input 1, add up to 1e+11 samples, expected at "
+          "most 2000");
 }
 
 }  // namespace

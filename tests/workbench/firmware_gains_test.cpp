@@ -227,7 +227,7 @@ TEST(VehicleCascade, RefusesFirmwareOptionsThatContradictEachOther) {
             "controller of the rate");
   options.structure = {};
   options.firmware.setup = "legacy";
-  EXPECT_THAT(refusal(options), HasSubstr("setup: set-up 'legacy' is not supported by px4"));
+  EXPECT_THAT(refusal(options), HasSubstr("setup: set-up 'legacy' does not apply to px4"));
   options.firmware.setup = "";
   options.bandwidth = "20";
   EXPECT_EQ(

@@ -687,7 +687,7 @@ std::vector<Mistake> schedule_mistakes() {
       schedule_mistake("NoMass", "mass=0:0.5:1", {"mass has 0, expected more than 0"}),
       schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 points, expected at most"}),
       schedule_mistake("TooManyPoints", "speed=0:0.01:10, climb=0:0.01:10",
-                       {"exceeds 100000 points at axis climb"}),
+                       {"has more than 100000 points with axis climb"}),
       schedule_mistake("ScheduleOfAFlight", "speed=1",
                        {"--at cannot be combined with --schedule", "as axes"}, {"--at", "line"}),
       schedule_mistake("ScheduleBadWeights", "speed=1", {"--Q has 3 entries, expected 12"},

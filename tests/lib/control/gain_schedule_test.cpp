@@ -138,7 +138,7 @@ TEST(GainSchedule, RejectsInvalidGrids) {
   std::vector<double> many;
   many.reserve(400);
   for (int i = 0; i < 400; ++i) many.push_back(i);
-  refuses({{speed, many}, {ScheduleQuantity::climb, many}}, "exceeds 100000 points");
+  refuses({{speed, many}, {ScheduleQuantity::climb, many}}, "has more than 100000 points");
 }
 
 TEST(GainSchedule, NamesItsQuantities) {

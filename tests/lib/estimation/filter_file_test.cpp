@@ -146,7 +146,8 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
   refused(kHead + kSensor + "[[sensors.R]]\nvariance = [1, 2, 3]\n",
           "m.toml:16: variance in [[R]] 1 has 3 entries, expected 2 or one number");
   refused(kHead + kSensor,
-          "m.toml: R of sensor 'camera' is not positive definite at the start, "
+          "m.toml: R of sensor 'camera' is not positive definite at the initial values of its "
+          "parameters, "
           "expected every measurement to have some noise");
   refused(kHead, "m.toml: the model has no sensors, expected at least one");
   refused(
