@@ -444,7 +444,7 @@ TEST(Firmware, VersionsAndSetupsAreRefusedByName) {
       [] {
         (void)firmware(FirmwareKind::px4, {"", "legacy"}, "here");
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("is not supported")));
+      ThrowsMessage<InvalidInput>(HasSubstr("does not apply to px4")));
   EXPECT_THAT(
       [] {
         (void)firmware(FirmwareKind::crazyflie, {"", "legcy"}, "here");

@@ -391,8 +391,8 @@ TEST(Campaign, RefusesWhatCannotBeFlown) {
   campaign = small_campaign(4);
   campaign.uncertainty.numbers.push_back({"vision_noise", {DistributionKind::normal, 1, 0.1}});
   EXPECT_THAT([&] { validate(campaign, "c.toml"); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("c.toml: designed in hover: vision_noise: the file of the vehicle 'mambo'")));
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "c.toml: designed in hover: vision_noise: the file of the vehicle 'mambo'")));
   EXPECT_THAT([&] { (void)setup_of(small_campaign(4), 8); },
               ThrowsMessage<InvalidInput>(HasSubstr("flight: the number is 8, expected 0 to 7")));
 }
