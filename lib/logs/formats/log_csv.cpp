@@ -233,7 +233,9 @@ class Reader {
           fmt::format("'#{}' is not known, expected '# about', '# event', '# note' "
                       "or '# rows'{}",
                       printable(kind),
-                      internal::did_you_mean(kind, {" about", " event", " note", " rows"})));
+                      kind.empty() ? ""
+                                   : internal::did_you_mean(
+                                         "#" + kind, {"# about", "# event", "# note", "# rows"})));
     }
   }
 

@@ -185,7 +185,7 @@ TEST(LogCsv, RefusesWhatIsNoLogWithFileAndLine) {
        "field"},
       {"# evnt,1,a,b\nt[s]\n",
        "f.csv:2: '# evnt' is not known, expected '# about', '# event', "
-       "'# note' or '# rows'; did you mean ' event'?"},
+       "'# note' or '# rows'; did you mean '# event'?"},
       {"#\nt[s]\n",
        "f.csv:2: '#' is not known, expected '# about', '# event', '# note' or '# "
        "rows'"},
