@@ -26,13 +26,14 @@ TEST(ExtendedMatrix, SolvesLinearSystemsInFiftyDigits) {
   for (Eigen::Index n = 1; n <= 12; ++n) {
     const ExtendedMatrix A = random_matrix(random, n, n), B = random_matrix(random, n, 3);
     const ExtendedLu lu(A);
-    EXPECT_LT((A * lu.solve(B) - B).norm(), Real("1e-45")) << n;
-    EXPECT_LT((lu.inverse() * A - ExtendedMatrix::identity(n)).norm(), Real("1e-45")) << n;
+    EXPECT_LT((A * lu.solve(B) - B).norm().convert_to<double>(), 1e-45) << n;
+    EXPECT_LT((lu.inverse() * A - ExtendedMatrix::identity(n)).norm().convert_to<double>(), 1e-45)
+        << n;
     ExtendedMatrix S = A * A.transpose();
     S.add_to_diagonal(1);
     const ExtendedCholesky cholesky(S);
     ASSERT_TRUE(cholesky.positive_definite()) << n;
-    EXPECT_LT((S * cholesky.solve(B) - B).norm(), Real("1e-45")) << n;
+    EXPECT_LT((S * cholesky.solve(B) - B).norm().convert_to<double>(), 1e-45) << n;
   }
 }
 
