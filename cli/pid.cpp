@@ -264,8 +264,8 @@ void add_transfer_function_options(CommandLine& line, Options& options) {
                   "with the rules simc and lambda: time constant of the closed loop [s]");
   line.add_number(
       "--Ms-max M", options.cascade.Ms_max,
-      "upper bound of max |S|, within which the integral gain is maximized; with V: bound of each "
-      "loop; default 1.4");
+      "upper bound of max |S|, default 1.4; without V, the integral gain is maximized within it; "
+      "with V, it applies to each loop");
   line.add_number("--Mt-max M", options.Mt_max, "as --Ms-max, with max |T| of at most M as well");
   line.add_number("--noise-gain-max G", options.noise_gain_max,
                   "as --Ms-max, with max |C S| of at most G as well");

@@ -181,8 +181,9 @@ void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, Tr
   if (worst > 1e-6) {
     result.status = TrimStatus::no_authority;
     result.culprit = fmt::format(
-        "{} cannot be balanced: with the thrusts that carry the weight, a torque of at least "
-        "{:.3g} N m is left",
+        "{} cannot be balanced: of the thrusts that carry the weight, those that balance the "
+        "torques "
+        "best leave a torque of {:.3g} N m",
         kAxes[axis], worst * problem.weight() * problem.arm());
     return;
   }

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/multiprecision/eigen.hpp>
-#include <cmath>
+#include <cassert>
 #include <complex>
 #include <utility>
 
@@ -62,11 +62,13 @@ ExtendedMatrix ExtendedMatrix::transpose() const {
 }
 
 ExtendedMatrix& ExtendedMatrix::operator+=(const ExtendedMatrix& B) {
+  assert(rows_ == B.rows_ && cols_ == B.cols_);
   for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k] += B.entries_[k];
   return *this;
 }
 
 ExtendedMatrix& ExtendedMatrix::operator-=(const ExtendedMatrix& B) {
+  assert(rows_ == B.rows_ && cols_ == B.cols_);
   for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k] -= B.entries_[k];
   return *this;
 }
@@ -91,6 +93,7 @@ ExtendedMatrix operator-(ExtendedMatrix A) { return A *= Real(-1); }
 ExtendedMatrix operator*(const Real& factor, ExtendedMatrix A) { return A *= factor; }
 
 ExtendedMatrix operator*(const ExtendedMatrix& A, const ExtendedMatrix& B) {
+  assert(A.cols() == B.rows());
   ExtendedMatrix C(A.rows(), B.cols());
   for (Index j = 0; j < B.cols(); ++j)
     for (Index k = 0; k < A.cols(); ++k) {
@@ -103,6 +106,7 @@ ExtendedMatrix operator*(const ExtendedMatrix& A, const ExtendedMatrix& B) {
 ExtendedMatrix symmetric(const ExtendedMatrix& M) { return Real(0.5) * (M + M.transpose()); }
 
 ExtendedLu::ExtendedLu(ExtendedMatrix A) : lu_(std::move(A)) {
+  assert(lu_.rows() == lu_.cols());
   const Index n = lu_.rows();
   for (Index k = 0; k < n; ++k) {
     Index pivot = k;
@@ -117,6 +121,7 @@ ExtendedLu::ExtendedLu(ExtendedMatrix A) : lu_(std::move(A)) {
 }
 
 ExtendedMatrix ExtendedLu::solve(ExtendedMatrix B) const {
+  assert(B.rows() == lu_.rows());
   const Index n = lu_.rows();
   for (Index j = 0; j < B.cols(); ++j) {
     for (Index k = 0; k < n; ++k)
@@ -148,6 +153,7 @@ ExtendedCholesky::ExtendedCholesky(ExtendedMatrix A) : L_(std::move(A)) {
 }
 
 ExtendedMatrix ExtendedCholesky::solve(ExtendedMatrix B) const {
+  assert(positive_definite_ && B.rows() == L_.rows());
   const Index n = L_.rows();
   for (Index j = 0; j < B.cols(); ++j) {
     for (Index k = 0; k < n; ++k) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cstddef>
 #include <vector>
 
 namespace quadtune::internal {
@@ -13,6 +14,7 @@ namespace quadtune::internal {
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
                                            boost::multiprecision::et_off>;
 
+/// A matrix of 50-digit numbers. The sizes of operands must match, which only debug builds check.
 class ExtendedMatrix {
  public:
   using Index = Eigen::Index;
@@ -31,8 +33,10 @@ class ExtendedMatrix {
   [[nodiscard]] const Real& operator()(Index i, Index j) const { return entries_[at(i, j)]; }
 
   [[nodiscard]] bool is_finite() const;
-  [[nodiscard]] Real squared_norm() const;
+  /// Frobenius norm, and its square.
   [[nodiscard]] Real norm() const;
+  [[nodiscard]] Real squared_norm() const;
+  /// The nearest matrix of doubles.
   [[nodiscard]] Eigen::MatrixXd rounded() const;
   [[nodiscard]] ExtendedMatrix transpose() const;
 
@@ -61,10 +65,11 @@ ExtendedMatrix operator*(const Real& factor, ExtendedMatrix A);
 /// (M + Mᵀ)/2
 [[nodiscard]] ExtendedMatrix symmetric(const ExtendedMatrix& M);
 
-/// P A = L U with partial pivoting. If A is singular, solutions are not finite.
+/// P A = L U of a square A, with partial pivoting. If A is singular, solutions are not finite.
 class ExtendedLu {
  public:
   explicit ExtendedLu(ExtendedMatrix A);
+  /// A⁻¹ B
   [[nodiscard]] ExtendedMatrix solve(ExtendedMatrix B) const;
   [[nodiscard]] ExtendedMatrix inverse() const;
 
@@ -73,12 +78,12 @@ class ExtendedLu {
   std::vector<Eigen::Index> swapped_with_;
 };
 
-/// A = L Lᵀ
+/// A = L Lᵀ of a symmetric A, of which the lower triangle is read.
 class ExtendedCholesky {
  public:
   explicit ExtendedCholesky(ExtendedMatrix A);
   [[nodiscard]] bool positive_definite() const { return positive_definite_; }
-  /// Only if A is positive definite.
+  /// A⁻¹ B, if A is positive definite.
   [[nodiscard]] ExtendedMatrix solve(ExtendedMatrix B) const;
 
  private:
@@ -86,7 +91,7 @@ class ExtendedCholesky {
   bool positive_definite_ = true;
 };
 
-/// Eigenvalues from a real Schur form; empty if its iteration did not converge.
+/// Eigenvalues of a square M from a real Schur form; empty if its iteration did not converge.
 [[nodiscard]] Eigen::VectorXcd eigenvalues(const ExtendedMatrix& M);
 
 }  // namespace quadtune::internal

@@ -378,8 +378,9 @@ TEST(Trim, RotorsThatAllTurnOneWayCannotBalanceYaw) {
   for (Rotor& rotor : vehicle.rotors) rotor.spin = Spin::clockwise;
   const TrimResult result = trim(vehicle, hover());
   EXPECT_EQ(result.status, TrimStatus::no_authority);
-  EXPECT_THAT(result.culprit, HasSubstr("yaw cannot be balanced: with the thrusts that carry "
-                                        "the weight, a torque of at least 1.22 N m is left"));
+  EXPECT_THAT(result.culprit, HasSubstr("yaw cannot be balanced: of the thrusts that carry the "
+                                        "weight, those that balance the torques best leave a "
+                                        "torque of 1.22 N m"));
 }
 
 TEST(Trim, TooFewRotorsHaveNoAuthority) {

@@ -446,8 +446,8 @@ TEST(AutocovarianceFit, RejectsBadOptionsAndShapes) {
   refused(fit, "autocovariances: lag 0 has 0 pairs; expected a positive number");
   given.pairs = {};
   refused(fit,
-          "autocovariances: 1 matrix and 0 counts of pairs, expected one of each for every lag "
-          "from 0 on");
+          "autocovariances: 1 autocovariance and 0 numbers of pairs were given, expected one of "
+          "each for every lag, beginning with lag 0");
   given.dt = 0.5;
   refused(fit, "autocovariances: the period is 0.5 s, expected a multiple of the model's 1 s");
   given.dt = -1;

@@ -333,11 +333,12 @@ AutocovarianceFit fit_autocovariances(const FilterModel& model,
   check_period(model, given.dt);
   const Index ny = model.outputs();
   if (given.of.empty() || given.pairs.size() != given.of.size())
-    throw InvalidInput("autocovariances",
-                       fmt::format("{} and {} of pairs, expected one of each for "
-                                   "every lag from 0 on",
-                                   internal::counted(given.of.size(), "matrix", "matrices"),
-                                   internal::counted(given.pairs.size(), "count")));
+    throw InvalidInput(
+        "autocovariances",
+        fmt::format("{} and {} were given, expected one of each for every lag, "
+                    "beginning with lag 0",
+                    internal::counted(given.of.size(), "autocovariance"),
+                    internal::counted(given.pairs.size(), "number of pairs", "numbers of pairs")));
   for (std::size_t j = 0; j < given.of.size(); ++j) {
     require_shape(given.of[j], ny, ny, "autocovariances", fmt::format("lag {}", j),
                   "one row and column per output");
