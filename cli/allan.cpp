@@ -25,22 +25,18 @@ SensorAllan analysed(const Options& options, AllanTaus taus, const Context& cont
   if (options.simulate) {
     if (!options.log.empty() || !options.column.empty() || options.sensors.given() || options.phase)
       refuse(
-          "allan", "--simulate",
+          "--simulate",
           "--simulate cannot be combined with --log or its options, because it simulates the log");
     return allan_of_simulated(context.seed, options.unit, taus);
   }
   if (options.log.empty())
-    refuse("allan", "--log", "--log is missing, expected the log of a stationary sensor");
+    refuse("--log", "--log is missing, expected the log of a stationary sensor");
   if (options.column.empty())
-    refuse("allan", "--column", "--column is missing, expected the name or number of a column");
-  const AllanOptions allan{options.log,
-                           options.column,
-                           options.unit,
-                           options.phase,
-                           taus,
-                           sensor_log_options(options.sensors, "allan"),
-                           notes_of("allan", context)};
-  return option_of_logs("allan", [&] { return allan_of_log(allan); });
+    refuse("--column", "--column is missing, expected the name or number of a column");
+  const AllanOptions allan{options.log,      options.column, options.unit,
+                           options.phase,    taus,           sensor_log_options(options.sensors),
+                           notes_of(context)};
+  return allan_of_log(allan);
 }
 
 void add_options(CommandLine& line, Options& options) {
@@ -61,8 +57,8 @@ void add_options(CommandLine& line, Options& options) {
 }
 
 void run_allan(const Options& options, Context& context) {
-  require_picture(options.plot, "allan");
-  const AllanTaus taus = option_of_command("allan", [&] { return allan_taus(options.taus); });
+  require_picture(options.plot);
+  const AllanTaus taus = allan_taus(options.taus);
   const SensorAllan allan = analysed(options, taus, context);
   draw(
       options.plot, [&] { return allan_figure(allan); }, context);

@@ -11,7 +11,7 @@ namespace quadtune::cli {
 namespace {
 
 void run_analyze(const SystemArguments& arguments, Context& context) {
-  const SystemReport report = system_report(system_of(arguments, context.in, "analyze"));
+  const SystemReport report = system_report(system_of(arguments, context.in));
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 

@@ -27,7 +27,6 @@ struct Options {
   bool simulate = false;
 };
 
-constexpr const char* kVerb = "calibrate";
 constexpr const char* kNone = "none";
 
 /// No value: the usual names; empty for "none".
@@ -52,32 +51,29 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   imu.calibration.gravity = options.gravity.value_or(imu.calibration.gravity);
   imu.calibration.field = options.field.value_or(imu.calibration.field);
   if (options.simulate) {
-    if (!options.logs.empty())
-      refuse(kVerb, "--simulate", "--simulate cannot be combined with --log");
+    if (!options.logs.empty()) refuse("--simulate", "--simulate cannot be combined with --log");
     imu.made_up = context.seed;
     return calibrate_from_logs(imu);
   }
   if (options.logs.empty())
-    refuse(kVerb, "--log",
-           "--log is missing, expected a log in which the sensor rests in many poses");
+    refuse("--log", "--log is missing, expected a log in which the sensor rests in many poses");
   imu.logs = options.logs;
   imu.channels = channels_of(options);
-  imu.reading = sensor_log_options(options.sensors, kVerb);
-  imu.note = notes_of(kVerb, context);
-  return option_of_logs(kVerb, [&] { return calibrate_from_logs(imu); });
+  imu.reading = sensor_log_options(options.sensors);
+  imu.note = notes_of(context);
+  return calibrate_from_logs(imu);
 }
 
 void run_calibrate(const Options& options, Context& context) {
-  if (options.what.empty()) refuse(kVerb, "WHAT", "the kind of sensor is missing, expected imu");
+  if (options.what.empty()) refuse("WHAT", "the kind of sensor is missing, expected imu");
   if (options.what != "imu")
-    refuse(kVerb, "WHAT", "unknown sensor '{}'; expected: quadtune calibrate imu{}", options.what,
+    refuse("WHAT", "unknown sensor '{}'; expected: quadtune calibrate imu{}", options.what,
            internal::did_you_mean(options.what, {"imu"}));
   std::optional<ImuCalibrationFile> base;
   if (!options.base.empty()) base = read_imu_calibration(options.base);
   const CalibratedImu imu = calibrated(options, context);
   if (!options.file.empty()) {
-    const ImuCalibrationFile file =
-        option_of_logs(kVerb, [&] { return calibration_file(imu.found, base); });
+    const ImuCalibrationFile file = calibration_file(imu.found, base);
     context.write(options.file, imu_calibration_text(file));
   }
   context.print([&] { return to_json(imu, options.file); },

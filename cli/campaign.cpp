@@ -34,8 +34,8 @@ struct Options {
   FlightOutputs outputs;
 };
 
-void need(const std::string& word, const char* verb, const char* what, const char* expected) {
-  if (word.empty()) refuse(verb, what, "expected {}", expected);
+void need(const std::string& word, const char* what, const char* expected) {
+  if (word.empty()) refuse(what, "expected {}", expected);
 }
 
 CampaignWatch watched(Progress& progress) {
@@ -49,37 +49,35 @@ CampaignWatch watched(Progress& progress) {
 /// Makes a plan and writes it into the folder.
 /// @return  whether the folder already contained this plan
 bool write_plan(const std::string& file, const std::string& folder, std::uint32_t shards) {
-  const MadeCampaign made =
-      option_of_command("campaign", [&] { return make_campaign(file, shards); });
+  const MadeCampaign made = make_campaign(file, shards);
   const WritingFiles writing;
   return write_campaign(made, folder, interrupted);
 }
 
 /// Converts the value of --shards.
-std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
+std::uint32_t shard_count(std::uint64_t shards) {
   constexpr std::uint32_t kMax = std::numeric_limits<std::uint32_t>::max();
   if (shards > kMax)
-    refuse(verb, "--shards", "--shards is {}, expected at most the number of flights", shards);
+    refuse("--shards", "--shards is {}, expected at most the number of flights", shards);
   return static_cast<std::uint32_t>(shards);
 }
 
 /// Prints the notes that `fly` would print for these flights.
 void note_words(const CampaignPlan& plan, const Context& context) {
-  for (const PlannedFlight& words : plan.words) context.notes("campaign: note: ", words.notes);
+  for (const PlannedFlight& words : plan.words) context.notes("note: ", words.notes);
 }
 
 void note_damage(std::uint32_t shard, const ShardWork& work, const Context& context) {
   for (const std::string& damage : work.damage)
-    context.note(fmt::format("campaign: shard {}: {}: flown again", shard, damage));
+    context.note(fmt::format("shard {}: {}: flown again", shard, damage));
 }
 
 // --- what each verb does ---
 
 void init(Options& options, Context& context) {
-  need(options.file, "campaign init", "FILE", "a campaign file and a folder");
-  need(options.folder, "campaign init", "DIR", "a folder for the plan");
-  const bool was_there =
-      write_plan(options.file, options.folder, shard_count(options.shards, "campaign init"));
+  need(options.file, "FILE", "a campaign file and a folder");
+  need(options.folder, "DIR", "a folder for the plan");
+  const bool was_there = write_plan(options.file, options.folder, shard_count(options.shards));
   const CampaignPlan plan = load_plan(options.folder);
   note_words(plan, context);
   context.print([&] { return to_json(plan); },
@@ -87,14 +85,12 @@ void init(Options& options, Context& context) {
 }
 
 void work(const CommandLine& line, Options& options, Context& context) {
-  need(options.folder, "campaign work", "DIR", "a folder with a plan");
+  need(options.folder, "DIR", "a folder with a plan");
   if (!line.was_given("--shard"))
-    refuse("campaign work", "--shard",
-           "--shard is missing, expected the number of the shard to fly");
+    refuse("--shard", "--shard is missing, expected the number of the shard to fly");
   const CampaignPlan plan = load_plan(options.folder);
   if (options.shard >= plan.shards)
-    refuse("campaign work", "--shard", "--shard is {}, expected 0 to {}", options.shard,
-           plan.shards - 1);
+    refuse("--shard", "--shard is {}, expected 0 to {}", options.shard, plan.shards - 1);
   const auto shard = static_cast<std::uint32_t>(options.shard);
   ShardWork done;
   {
@@ -106,7 +102,7 @@ void work(const CommandLine& line, Options& options, Context& context) {
 }
 
 void status(Options& options, Context& context) {
-  need(options.folder, "campaign status", "DIR", "a folder with a plan");
+  need(options.folder, "DIR", "a folder with a plan");
   const CampaignPlan plan = load_plan(options.folder);
   const CampaignStatus status = campaign_status(plan, options.folder);
   context.print([&] { return to_json(plan, status); }, [&] { return to_text(plan, status); });
@@ -130,8 +126,7 @@ void merge_plan(const CampaignPlan& plan, const std::string& folder, Context& co
   write((fs::path(folder) / "report.html").string(),
         campaign_html(plan, merged.statistics, merged.records, folder));
   for (const std::uint64_t number : kept_flights(plan, merged.records)) {
-    const FileContent log = option_of_command(
-        "campaign merge", [&] { return campaign_log(plan, folder, number, interrupted); });
+    const FileContent log = campaign_log(plan, folder, number, interrupted);
     write(log.name, log.bytes);
   }
   context.print(
@@ -146,18 +141,17 @@ void merge_plan(const CampaignPlan& plan, const std::string& folder, Context& co
 }
 
 void merge(Options& options, Context& context) {
-  need(options.folder, "campaign merge", "DIR", "a folder with flown shards");
+  need(options.folder, "DIR", "a folder with flown shards");
   merge_plan(load_plan(options.folder), options.folder, context);
 }
 
 void run_campaign(Options& options, Context& context) {
-  need(options.file, "campaign run", "FILE", "a campaign file");
+  need(options.file, "FILE", "a campaign file");
   const bool unnamed = options.folder.empty();
   if (unnamed) options.folder = fs::path(options.file).stem().string() + "-campaign";
-  (void)write_plan(options.file, options.folder, shard_count(options.shards, "campaign run"));
+  (void)write_plan(options.file, options.folder, shard_count(options.shards));
   if (unnamed)
-    context.note(fmt::format("campaign run: note: plan, flights and tables are written to {}",
-                             options.folder));
+    context.note(fmt::format("note: plan, flights and tables are written to {}", options.folder));
   const CampaignPlan plan = load_plan(options.folder);
   note_words(plan, context);
   {
@@ -172,18 +166,17 @@ void run_campaign(Options& options, Context& context) {
 }
 
 void replay(const CommandLine& line, Options& options, Context& context) {
-  need(options.folder, "campaign replay", "DIR", "a folder with a plan");
+  need(options.folder, "DIR", "a folder with a plan");
   if (!line.was_given("--flight"))
-    refuse("campaign replay", "--flight", "--flight is missing, expected a flight's number");
+    refuse("--flight", "--flight is missing, expected a flight's number");
   const CampaignPlan plan = load_plan(options.folder);
   if (options.flight >= plan.campaign.records())
-    refuse("campaign replay", "--flight", "--flight is {}, expected 0 to {}", options.flight,
+    refuse("--flight", "--flight is {}, expected 0 to {}", options.flight,
            plan.campaign.records() - 1);
-  require_output_names(options.outputs, "campaign replay");
+  require_output_names(options.outputs);
   PlannedFlight flight = replayed_flight(plan, options.flight);
-  keep_log_for(options.outputs, flight, "campaign replay");
-  tell_flight(fly_planned(std::move(flight), interrupted), std::nullopt, options.outputs,
-              "campaign replay", context);
+  keep_log_for(options.outputs, flight);
+  tell_flight(fly_planned(std::move(flight), interrupted), std::nullopt, options.outputs, context);
 }
 
 // --- their options ---

@@ -48,18 +48,16 @@ CertifyOptions certify_options(const Options& options, const Context& context) {
 }
 
 void run_certify(Options& options, Context& context) {
-  options.controller =
-      option_of_command("certify", [&] { return controller_kind(options.controller); });
-  if (options.directory.empty()) refuse("certify", "DIR", "expected an export's directory");
-  const CertifyReport report = option_of_command(
-      "certify", [&] { return certify(options.directory, certify_options(options, context)); });
+  options.controller = controller_kind(options.controller);
+  if (options.directory.empty()) refuse("DIR", "expected an export's directory");
+  const CertifyReport report = certify(options.directory, certify_options(options, context));
   if (report.failed)
-    throw Refusal(fmt::format("certify: {} does not verify: the check '{}' failed: {}",
-                              options.directory, report.failed->name, report.failed->detail),
+    throw Refusal(fmt::format("{} does not verify: the check '{}' failed: {}", options.directory,
+                              report.failed->name, report.failed->detail),
                   options.directory);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   for (const CertifiedLaw& law : report.laws)
-    if (!law.proved()) throw AnswerIsNo(fmt::format("certify: {}", law.reason()));
+    if (!law.proved()) throw AnswerIsNo(law.reason());
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -24,48 +24,47 @@ struct Options {
 void require_words(const Options& options) {
   const FlightOptions& flight = options.flight;
   const std::vector<std::string>& known = compared_things();
-  if (options.what.empty())
-    refuse("compare", "WHAT", "expected integrators, flow, filter or gains");
+  if (options.what.empty()) refuse("WHAT", "expected integrators, flow, filter or gains");
   if (options.what != "gains" && !options.first.empty())
-    refuse("compare", "A",
-           "unexpected argument '{}' after the vehicle; only `compare gains` takes two more",
+    refuse("A", "unexpected argument '{}' after the vehicle; only `compare gains` takes two more",
            options.first);
   if (std::find(known.begin(), known.end(), options.what) == known.end())
-    refuse("compare", "WHAT",
-           "unknown comparison '{}'; expected integrators, flow, filter or gains{}", options.what,
-           internal::did_you_mean(options.what, known));
+    refuse("WHAT", "unknown comparison '{}'; expected integrators, flow, filter or gains{}",
+           options.what, internal::did_you_mean(options.what, known));
   const bool needs_sensors = options.what == "flow" || options.what == "filter";
   if (needs_sensors && !flight.vehicle.empty())
     if (const std::string missing = missing_sensor(options.what, flight.estimator.empty(),
                                                    load_vehicle(flight.vehicle).sensors);
         !missing.empty())
-      refuse("compare", "V", "{}: '{}' has no {}, expected a vehicle with one", options.what,
-             flight.vehicle, missing);
+      refuse("V", "{}: '{}' has no {}, expected a vehicle with one", options.what, flight.vehicle,
+             missing);
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
-    refuse("compare", "A",
+    refuse("A",
            "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
            "e.g. quadtune compare gains mambo published designed");
+}
+
+std::array<PlannedFlight, 2> planned(const FlightPair& pair, const std::string& what,
+                                     const std::string& verb) {
+  try {
+    return plan_both(pair, verb);
+  } catch (const OptionError& error) {
+    // The comparison has set this option, not the user.
+    const bool compared = error.option() == pair.option ||
+                          error.option().starts_with(pair.option + " ");  // and the word
+    if (what == "gains" || !compared) throw;
+    refuse("WHAT", "{}: {}", what, error.what());
+  }
 }
 
 void run_compare(Options& options, Context& context) {
   require_words(options);
   options.flight.seed = context.seed;
-  const FlightPair pair = option_of_command("compare", [&] {
-    return flight_pair(options.what, options.flight, {options.first, options.second});
-  });
-  if (options.flight.vehicle.empty()) refuse("compare", "V", "expected a vehicle");
-  std::array<PlannedFlight, 2> plans = option_of_command("compare", [&] {
-    try {
-      return plan_both(pair, "compare");
-    } catch (const OptionError& error) {
-      // The comparison has set this option, not the user.
-      const bool compared = error.option() == pair.option ||
-                            error.option().starts_with(pair.option + " ");  // and the word
-      if (options.what == "gains" || !compared) throw;
-      refuse("compare", "WHAT", "{}: {}", options.what, error.what());
-    }
-  });
-  context.notes("compare: note: ", plans[0].notes);
+  const FlightPair pair =
+      flight_pair(options.what, options.flight, {options.first, options.second});
+  if (options.flight.vehicle.empty()) refuse("V", "expected a vehicle");
+  std::array<PlannedFlight, 2> plans = planned(pair, options.what, context.verb);
+  context.notes("note: ", plans[0].notes);
   const ComparedFlights compared = fly_both(pair, std::move(plans), interrupted);
   context.print([&] { return to_json(compared); }, [&] { return to_text(compared); });
 }

@@ -30,24 +30,23 @@ struct Options {
 void require_sane(const Options& options) {
   constexpr std::uint64_t kMaxSeeds = 1000;
   if (options.file.empty())
-    refuse("design", "FILE", "expected a design file, a vehicle file or a built-in vehicle");
+    refuse("FILE", "expected a design file, a vehicle file or a built-in vehicle");
   if (options.seeds > kMaxSeeds)
-    refuse("design", "--seeds", "--seeds is {}, expected at most {}", options.seeds, kMaxSeeds);
+    refuse("--seeds", "--seeds is {}, expected at most {}", options.seeds, kMaxSeeds);
 }
 
 DesignOutcome designed_and_flown(const Options& options, const Context& context) {
-  DesignOutcome outcome =
-      options.to.empty() ? run_design(options.file) : option_of_command("design", [&] {
-        return run_design(options.file, internal::comma_separated(options.to));
-      });
+  DesignOutcome outcome = options.to.empty()
+                              ? run_design(options.file)
+                              : run_design(options.file, internal::comma_separated(options.to));
   if (options.has_seeds && outcome.design.missions.empty())
-    refuse("design", "--seeds", "--seeds requires a [[mission]] to fly, but {} has none",
+    refuse("--seeds", "--seeds requires a [[mission]] to fly, but {} has none",
            internal::printable(options.file));
   require_tuned(outcome, options.force, context);
   outcome.flights = fly_missions(outcome, context.seed, !options.directory.empty(), interrupted,
                                  static_cast<std::uint32_t>(options.seeds));
   outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
-  context.notes("design: note: ", design_notes(outcome));
+  context.notes("note: ", design_notes(outcome));
   return outcome;
 }
 
@@ -63,7 +62,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   };
   std::vector<WrittenExport> written = write_exports(outcome, directory, write, force);
   for (const WrittenExport& one : written)
-    context.notes(fmt::format("design: note: export to {}: ", to_string(one.kind)), one.notes);
+    context.notes(fmt::format("note: export to {}: ", to_string(one.kind)), one.notes);
   for (const FlownFlight& flight : outcome.flights) {
     const std::string name = "flight-" + flight.plan.setup.mission.name + ".html";
     write_file((std::filesystem::path(directory) / name).string(),
@@ -96,7 +95,7 @@ void run_design(const CommandLine& line, Options& options, Context& context) {
   if (failure == DesignFailure::none) return;
   const bool kept_from_writing =
       failure == DesignFailure::unstable_flown_loop || failure == DesignFailure::mission;
-  throw AnswerIsNo(fmt::format("design: {}{}", to_string(failure),
+  throw AnswerIsNo(fmt::format("{}{}", to_string(failure),
                                kept_from_writing && writes && !options.force
                                    ? ", so nothing is written; --force writes nevertheless"
                                    : ""));

@@ -25,14 +25,13 @@ void add_options(CommandLine& line, Options& options) {
 
 void run_diff(Options& options, Context& context) {
   if (options.b.empty())
-    refuse("diff", options.a.empty() ? "A" : "B",
-           "expected two sets of gains, directories or files");
+    refuse(options.a.empty() ? "A" : "B", "expected two sets of gains, directories or files");
   const LawsDifference difference = diff_laws(options.a, options.b);
   for (const std::string& source : {options.a, options.b})
     if (const std::string changed = changed_export(source); !changed.empty())
-      context.note("diff: note: " + changed);
+      context.note("note: " + changed);
   if (!difference.left_out.empty())
-    context.note(fmt::format("diff: note: only one of the two contains a {}, which is not compared",
+    context.note(fmt::format("note: only one of the two contains a {}, which is not compared",
                              difference.left_out));
   context.print([&] { return to_json(difference.entries); },
                 [&] { return to_text(difference.entries); });

@@ -10,6 +10,7 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/sampling/method_comparison.hpp"
 #include "quadtune/workbench/sampling/sampled_plant.hpp"
 #include "report/loops/loops.hpp"
@@ -50,7 +51,7 @@ void refuse_mixtures(const CommandLine& line, const Options& options) {
 }
 
 Eigen::VectorXd read_list(const std::string& text, const std::string& option) {
-  const std::vector<double> numbers = number_list(text, "discretize", option);
+  const std::vector<double> numbers = number_list(text, option);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), std::ssize(numbers));
 }
 
@@ -58,12 +59,12 @@ Eigen::VectorXd read_list(const std::string& text, const std::string& option) {
 template <class Lti>
 Lti read_plant(const Options& options, std::istream& in) {
   Lti plant;
-  plant.A = require_matrix(options.A, in, "discretize", "--A");
-  plant.B = require_matrix(options.B, in, "discretize", "--B");
+  plant.A = require_matrix(options.A, in, "--A");
+  plant.B = require_matrix(options.B, in, "--B");
   plant.C = options.C.empty() ? Eigen::MatrixXd::Identity(plant.A.rows(), plant.A.rows()).eval()
-                              : read_matrix(options.C, in, "discretize", "--C");
+                              : read_matrix(options.C, in, "--C");
   plant.D = options.D.empty() ? Eigen::MatrixXd::Zero(plant.C.rows(), plant.B.cols()).eval()
-                              : read_matrix(options.D, in, "discretize", "--D");
+                              : read_matrix(options.D, in, "--D");
   return plant;
 }
 
@@ -72,8 +73,7 @@ template <class Fraction>
 Fraction read_fraction(const Options& options) {
   for (const auto& [option, text] :
        {std::pair("--num", options.num), std::pair("--den", options.den)})
-    if (text.empty())
-      refuse("discretize", option, "{} is missing, expected coefficients such as 1,0.5", option);
+    if (text.empty()) refuse(option, "{} is missing, expected coefficients such as 1,0.5", option);
   Fraction plant;
   plant.num = read_list(options.num, "--num");
   plant.den = read_list(options.den, "--den");
@@ -104,23 +104,20 @@ void run_system(const Options& options, Context& context) {
                            options.prewarp};
   if (options.inverse && by.method != DiscretizationMethod::zoh &&
       by.method != DiscretizationMethod::tustin)
-    refuse("discretize", "--inverse",
+    refuse("--inverse",
            "--inverse cannot be combined with --method {}; the inverse exists for zoh and tustin",
            options.method);
-  const SampledPlant sampled = option_of_command("discretize", [&] {
-    require_prewarp(by);
-    return options.is_fraction() ? sample_fraction(options, by)
-                                 : sample_matrices(options, by, context.in);
-  });
-  context.notes("discretize: warning: ", sampled.warnings);
+  require_prewarp(by);
+  const SampledPlant sampled = options.is_fraction() ? sample_fraction(options, by)
+                                                     : sample_matrices(options, by, context.in);
+  context.notes("warning: ", sampled.warnings);
   context.print([&] { return to_json(sampled); }, [&] { return to_text(sampled); });
 }
 
 void run_comparison(const Options& options, Context& context) {
   if (options.vehicle.empty())
-    refuse("discretize", "--compare",
-           "--compare requires a vehicle; expected: quadtune discretize V --compare");
-  const bool flown = asks_for_flown_plant(options.compared_plant, "discretize");
+    refuse("--compare", "--compare requires a vehicle; expected: quadtune discretize V --compare");
+  const bool flown = asks_for_flown_plant(options.compared_plant);
   const MethodComparison comparison = compare_sampling_methods(options.vehicle, options.dt, flown);
   draw(
       options.plot, [&] { return sampling_figure(comparison); }, context);
@@ -129,9 +126,9 @@ void run_comparison(const Options& options, Context& context) {
 
 void run_discretize(const CommandLine& line, const Options& options, Context& context) {
   if (!line.was_given("--dt"))
-    refuse("discretize", "--dt", "--dt is missing, expected a sample period in seconds");
-  require_positive(options.dt, "discretize", "--dt");
-  require_picture(options.plot, "discretize");
+    refuse("--dt", "--dt is missing, expected a sample period in seconds");
+  require_positive(options.dt, "--dt");
+  require_picture(options.plot);
   if (options.compare) {
     line.refuse_given({"--A", "--B", "--C", "--D", "--num", "--den", "--delay", "--method",
                        "--prewarp", "--input-delay", "--output-delay", "--inverse"},

@@ -42,16 +42,13 @@ struct Options {
 
 void require_complete(const Options& options) {
   if (options.source.empty())
-    refuse("export", "SOURCE",
-           "SOURCE is missing, expected an export, gains, a design or a vehicle");
-  if (options.to.empty()) refuse("export", "--to", "--to is missing, expected the format to write");
-  if (options.directory.empty())
-    refuse("export", "-o", "-o is missing, expected the directory to write");
+    refuse("SOURCE", "SOURCE is missing, expected an export, gains, a design or a vehicle");
+  if (options.to.empty()) refuse("--to", "--to is missing, expected the format to write");
+  if (options.directory.empty()) refuse("-o", "-o is missing, expected the directory to write");
   // An export that replaces its own source would lose what it does not contain.
   std::error_code ignored;
   if (std::filesystem::equivalent(options.source, options.directory, ignored))
-    refuse("export", "-o", "-o {} is the source itself, expected another directory",
-           options.directory);
+    refuse("-o", "-o {} is the source itself, expected another directory", options.directory);
 }
 
 /// The reasons for --force in the manifest of an export; empty for other sources.
@@ -74,7 +71,7 @@ void require_schedule_options(const Options& options) {
                                                 {"--force", options.force}};
   for (const auto& [option, came] : given)
     if (came)
-      refuse("export", option, "{} cannot be combined with a gain schedule, because {}", option,
+      refuse(option, "{} cannot be combined with a gain schedule, because {}", option,
              options.force ? "there is no reason against its export"
                            : "the program contains only the schedule");
 }
@@ -100,14 +97,14 @@ ExportContent content_of(const Options& options, const Context& context) {
     content.forced = reasons_against_export(outcome);
     if (!content.forced.empty() && !options.force)
       throw Refusal(
-          fmt::format("export: {}: {}; nothing was written; use --force to export it",
+          fmt::format("{}: {}; nothing was written; use --force to export it",
                       internal::printable(options.source), internal::joined(content.forced, "; ")),
           options.source);
     return content;
   }
   const std::vector<std::string> forced = forced_of(options.source);
   if (!forced.empty() && !options.force)
-    throw Refusal(fmt::format("export: {}: was exported with --force although {}; nothing was "
+    throw Refusal(fmt::format("{}: was exported with --force although {}; nothing was "
                               "written; use --force to export it",
                               internal::printable(options.source),
                               internal::printable(internal::joined(forced, "; "))),
@@ -127,7 +124,7 @@ FlightCodeOptions flight_code_options(const Options& options) {
                                                               {"--adapter", &options.adapter}};
   for (const auto& [option, value] : given)
     if (options.to != "c" && !value->empty())
-      refuse("export", option, "{} applies to --to c only, not to --to {}", option, options.to);
+      refuse(option, "{} applies to --to c only, not to --to {}", option, options.to);
   if (!options.name.empty()) require_flight_code_name(options.name, "--name");
   if (!options.law.empty()) require_flight_code_law(options.law, "--law");
   if (!options.adapter.empty()) require_flight_code_adapter(options.adapter, "--adapter");
@@ -139,18 +136,18 @@ FlightCodeOptions flight_code_options(const Options& options) {
 void require_firmware_options(const Options& options, const ExportKind& kind) {
   const bool is_firmware = export_target(kind.name(), "--to").is_firmware;
   if (!is_firmware && options.firmware.filter_noise)
-    refuse("export", "--filter-noise",
+    refuse("--filter-noise",
            "--filter-noise applies to the parameters of a firmware only, not to --to {}",
            options.to);
   const std::pair<const char*, const std::string*> given[] = {
       {"--firmware", &options.firmware.version}, {"--setup", &options.firmware.setup}};
   for (const auto& [option, value] : given)
     if (!is_firmware && !value->empty())
-      refuse("export", option, "{} applies to the parameters of a firmware only, not to --to {}",
-             option, options.to);
+      refuse(option, "{} applies to the parameters of a firmware only, not to --to {}", option,
+             options.to);
   if (!is_firmware) return;
   const FirmwareKind target = firmware_kind(kind.name(), "--to");
-  option_of_command("export", [&] { (void)firmware_of_options(target, options.firmware); });
+  (void)firmware_of_options(target, options.firmware);
 }
 
 void run_export(const Options& options, Context& context) {
@@ -159,38 +156,36 @@ void run_export(const Options& options, Context& context) {
   const FlightCodeOptions flight_code = flight_code_options(options);
   require_firmware_options(options, kind);
   if (!options.imu_calibration.empty() && options.to != "uquad")
-    refuse("export", "--imu-calibration",
-           "--imu-calibration applies to --to uquad only, not to --to {}", options.to);
-  if (options.constants && options.to != "uquad")
-    refuse("export", "--constants", "--constants applies to --to uquad only, not to --to {}",
+    refuse("--imu-calibration", "--imu-calibration applies to --to uquad only, not to --to {}",
            options.to);
+  if (options.constants && options.to != "uquad")
+    refuse("--constants", "--constants applies to --to uquad only, not to --to {}", options.to);
   if (options.of_schedule()) require_schedule_options(options);
-  ExportContent content = option_of_command("export", [&] { return content_of(options, context); });
+  ExportContent content = content_of(options, context);
   content.flight_code = flight_code;
   content.firmware = options.firmware;
   content.uquad_constants = options.constants;
   if (!options.imu_calibration.empty())
     content.imu_calibration = read_imu_calibration(options.imu_calibration);
-  context.notes("export: note: ", adapt_to_program(content, kind));
+  context.notes("note: ", adapt_to_program(content, kind));
   // Gains whose loop is unstable are not written.
   if (const std::string problem = unstable_loop(content);
       !problem.empty() && !(options.of_design() && options.force))
-    throw Refusal(fmt::format("export: {}; nothing was written", problem), content.vehicle.name);
+    throw Refusal(fmt::format("{}; nothing was written", problem), content.vehicle.name);
   if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
     if (!options.force)
-      throw Refusal(fmt::format("export: {}: {}; nothing was written; use gains of `quadtune pid V "
+      throw Refusal(fmt::format("{}: {}; nothing was written; use gains of `quadtune pid V "
                                 "--for {}`, or --force to export these",
                                 internal::printable(options.source), weak, options.to),
                     options.source);
     content.forced.push_back(weak);
   }
   if (content.forced.empty() && options.force && !options.of_design())
-    refuse("export", "--force",
-           "--force is not needed: there is no reason against the export of {}",
+    refuse("--force", "--force is not needed: there is no reason against the export of {}",
            internal::printable(options.source));
   if (!options.of_design() && !options.of_schedule())
     context.note(
-        "export: note: only what the source holds is exported: gains, trim, cascade, estimator and "
+        "note: only what the source holds is exported: gains, trim, cascade, estimator and "
         "vehicle; weights and Kalman filters are exported from a design file");
   std::vector<ManifestFile> files;
   {

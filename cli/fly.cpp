@@ -42,42 +42,39 @@ void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& out
     for (std::size_t j = 0; j < i; ++j)
       if (!outputs[i].second.empty() && !outputs[j].second.empty() &&
           path(outputs[i].second) == path(outputs[j].second))
-        refuse("fly", outputs[i].first, "{} and {} are both '{}', expected two files",
-               outputs[j].first, outputs[i].first, outputs[i].second);
+        refuse(outputs[i].first, "{} and {} are both '{}', expected two files", outputs[j].first,
+               outputs[i].first, outputs[i].second);
 }
 
 void require_sane(const Options& options, const Context& context) {
   constexpr std::uint64_t kMaxSeeds = 1000;
   const auto& [log, report] = options.outputs;
-  require_output_names(options.outputs, "fly");
+  require_output_names(options.outputs);
   refuse_one_file({{"--log", log}, {"--report", report}, {"-o", context.file}});
   if (options.seeds > kMaxSeeds)
-    refuse("fly", "--seeds", "--seeds is {}, expected at most {}; use `quadtune campaign` for more",
+    refuse("--seeds", "--seeds is {}, expected at most {}; use `quadtune campaign` for more",
            options.seeds, kMaxSeeds);
-  if (options.arm && !options.compiled) refuse("fly", "--arm", "--arm requires --compiled");
+  if (options.arm && !options.compiled) refuse("--arm", "--arm requires --compiled");
   if (options.compiled && options.flight.gains.empty())
-    refuse("fly", "--compiled", "--compiled requires --gains DIR, an export of flight code");
+    refuse("--compiled", "--compiled requires --gains DIR, an export of flight code");
   std::error_code ignored;
   const std::filesystem::path code = options.flight.gains;
   if (options.compiled && !std::filesystem::exists(code / kFlightCodeName, ignored))
-    refuse("fly", "--gains",
+    refuse("--gains",
            "--gains {} has no {}, expected an export of flight code with --compiled; `quadtune "
            "export SOURCE --to c -o DIR` writes one",
            options.flight.gains, kFlightCodeName);
   if (options.seeds == 1 || (log.empty() && report.empty())) return;
   const std::string name = log.empty() ? "--report" : "--log";
-  refuse("fly", name,
-         "{} cannot be combined with --seeds {} because it records one flight; use --seed", name,
-         options.seeds);
+  refuse(name, "{} cannot be combined with --seeds {} because it records one flight; use --seed",
+         name, options.seeds);
 }
 
 /// The flights of all seeds, with the law of the library or with the program of an export.
 std::vector<FlownFlight> flown(const Options& options, const PlannedFlight& plan) {
   const auto seeds = static_cast<std::uint32_t>(options.seeds);
   if (options.compiled)
-    return option_of_command("fly", [&] {
-      return fly_compiled(plan, options.flight.gains, options.target(), seeds, interrupted);
-    });
+    return fly_compiled(plan, options.flight.gains, options.target(), seeds, interrupted);
   if (seeds > 1) return fly_seeds(plan, seeds, interrupted);
   std::vector<FlownFlight> one;
   one.push_back(fly_planned(plan, interrupted));
@@ -92,21 +89,21 @@ void tell_many(const std::vector<FlownFlight>& flights, Context& context) {
   context.print([&] { return to_json(flights, diagnosis); },
                 [&] { return to_text(flights, diagnosis); });
   if (failed != flights.end())
-    throw AnswerIsNo(
-        fmt::format("fly: seed {}: {}", failed->plan.setup.seed, reasons(*failed).front()));
+    throw AnswerIsNo(fmt::format("seed {}: {}", failed->plan.setup.seed, reasons(*failed).front()));
 }
 
 void run_fly(Options& options, Context& context) {
   require_sane(options, context);
   options.flight.seed = context.seed;
-  if (options.compiled) option_of_command("fly", [&] { take_program(options.flight); });
-  PlannedFlight plan = plan_of_command(options.flight, "fly");
-  keep_log_for(options.outputs, plan, "fly");
+  if (options.compiled) take_program(options.flight);
+  if (options.flight.vehicle.empty()) refuse("V", "expected a vehicle");
+  PlannedFlight plan = plan_flight(options.flight, context.verb);
+  keep_log_for(options.outputs, plan);
   if (options.compiled && options.flight.estimator == "truth")
     plan.notes.emplace_back("the program has no estimator and is given the true state");
-  context.notes("fly: note: ", plan.notes);
+  context.notes("note: ", plan.notes);
   if (const std::string changed = changed_export(options.flight.gains); !changed.empty())
-    context.note("fly: note: " + changed);
+    context.note("note: " + changed);
   if (options.seeds > 1) {
     tell_many(flown(options, plan), context);
     return;
@@ -114,7 +111,7 @@ void run_fly(Options& options, Context& context) {
   const FlownFlight flight = std::move(flown(options, plan).front());
   std::optional<Diagnosis> diagnosis;
   if (!flight.passed) diagnosis = diagnose(plan, flight);
-  tell_flight(flight, diagnosis, options.outputs, "fly", context);
+  tell_flight(flight, diagnosis, options.outputs, context);
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -73,8 +73,7 @@ std::vector<Verb> verbs_of(const std::string& name) {
       found.push_back(verb);
     known.push_back(verb.name);
   }
-  if (found.empty())
-    refuse("help", name, "no command '{}'{}", name, internal::did_you_mean(name, known));
+  if (found.empty()) refuse(name, "no command '{}'{}", name, internal::did_you_mean(name, known));
   return found;
 }
 

@@ -29,22 +29,20 @@ struct Options {
 
 void require_complete(const Options& options) {
   if (options.defaults && !options.file.empty())
-    refuse("import", "--defaults",
-           "both --defaults and the file {} were given, expected only one of the two",
+    refuse("--defaults", "both --defaults and the file {} were given, expected only one of the two",
            options.file);
   if (options.firmware.empty())
-    refuse("import", "FIRMWARE", "FIRMWARE is missing, expected the name of a firmware");
-  if (options.vehicle.empty())
-    refuse("import", "--vehicle", "--vehicle is missing, expected the vehicle");
+    refuse("FIRMWARE", "FIRMWARE is missing, expected the name of a firmware");
+  if (options.vehicle.empty()) refuse("--vehicle", "--vehicle is missing, expected the vehicle");
   if (options.file.empty() && !options.defaults)
-    refuse("import", "FILE", "FILE is missing, expected a file of parameters, or --defaults");
+    refuse("FILE", "FILE is missing, expected a file of parameters, or --defaults");
 }
 
 /// The firmware that the file names. The options may repeat it but must not contradict it.
 Firmware agreed(const Firmware& asked, const Firmware& written, const Options& options) {
   if ((!options.version.version.empty() && asked.version != written.version) ||
       (!options.version.setup.empty() && asked.setup != written.setup))
-    refuse("import", options.version.version.empty() ? "--setup" : "--firmware",
+    refuse(options.version.version.empty() ? "--setup" : "--firmware",
            "the file was written for version {}{}{}; expected the same version and set-up, or "
            "neither option",
            written.version, written.setup.empty() ? "" : " with set-up ", written.setup);
@@ -54,25 +52,24 @@ Firmware agreed(const Firmware& asked, const Firmware& written, const Options& o
 void run_import(const Options& options, Context& context) {
   require_complete(options);
   const FirmwareKind kind = firmware_kind(options.firmware, "FIRMWARE");
-  Firmware target =
-      option_of_command("import", [&] { return firmware_of_options(kind, options.version); });
+  Firmware target = firmware_of_options(kind, options.version);
   std::optional<ParameterFile> file;
   if (!options.defaults) {
     const std::string text = internal::read_text_file(options.file, kLargestFile);
     const std::optional<Firmware> written = firmware_of_text(kind, text, options.file);
     if (written) target = agreed(target, *written, options);
     if (!written && options.version.version.empty())
-      context.note(fmt::format("import: note: the file does not state its version; {} is assumed",
-                               target.version));
+      context.note(
+          fmt::format("note: the file does not state its version; {} is assumed", target.version));
     file = parse_parameters(target, text, options.file);
   }
   if (options.dt && !(*options.dt >= kMinControlPeriod && *options.dt <= kMaxControlPeriod))
-    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMinControlPeriod,
+    refuse("--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMinControlPeriod,
            kMaxControlPeriod);
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const FirmwareImport import =
       import_parameters(target, vehicle, file, options.dt.value_or(kFirmwarePeriod));
-  context.notes("import: note: ", import.notes);
+  context.notes("note: ", import.notes);
   context.print([&] { return report::to_json(import); }, [&] { return report::to_text(import); });
 }
 

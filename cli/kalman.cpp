@@ -32,10 +32,10 @@ struct Solution {
 
 Solution solve(const Options& options, std::istream& in) {
   const auto need = [&in](const std::string& path, const char* option) {
-    return require_matrix(path, in, "kalman", option);
+    return require_matrix(path, in, option);
   };
-  const KalmanNoise noise = {read_matrix(options.G, in, "kalman", "--G"), need(options.Q, "--Q"),
-                             need(options.R, "--R"), read_matrix(options.N, in, "kalman", "--N")};
+  const KalmanNoise noise = {read_matrix(options.G, in, "--G"), need(options.Q, "--Q"),
+                             need(options.R, "--R"), read_matrix(options.N, in, "--N")};
   if (options.time.discrete) {
     DiscreteLti model;
     model.A = need(options.A, "--A");
@@ -73,19 +73,18 @@ void add_options(CommandLine& line, Options& options) {
 
 void run_kalman(const Options& options, Context& context) {
   const TimeArguments& time = options.time;
-  require_one_time(time, "kalman");
+  require_one_time(time);
   if (time.count() == 0)
-    refuse("kalman", "--discrete",
-           "expected one of --discrete (A is discrete), --continuous, --sampled DT");
-  if (time.sampled) require_positive(*time.sampled, "kalman", "--sampled");
+    refuse("--discrete", "expected one of --discrete (A is discrete), --continuous, --sampled DT");
+  if (time.sampled) require_positive(*time.sampled, "--sampled");
   if (options.show_sampled && !time.sampled)
-    refuse("kalman", "--show-sampled", "--show-sampled requires --sampled DT");
+    refuse("--show-sampled", "--show-sampled requires --sampled DT");
   const Solution solution = solve(options, context.in);
   const KalmanResult& result = solution.filter;
   if (!result.solved())
     throw NoSolution(fmt::format("kalman: {}: {}", to_string(result.status), result.culprit),
                      "--A");
-  if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
+  if (!result.warning.empty()) context.note("warning: " + result.warning);
   const double period = time.continuous ? 0 : time.sampled.value_or(1);
   context.print(
       [&] {

@@ -11,10 +11,9 @@ namespace quadtune::cli {
 namespace {
 
 void run_linearize(const PlantArguments& arguments, Context& context) {
-  if (arguments.vehicle.empty())
-    refuse("linearize", "V", "expected a built-in vehicle or a vehicle file");
+  if (arguments.vehicle.empty()) refuse("V", "expected a built-in vehicle or a vehicle file");
   const LinearVehicle plant = make_plant(arguments);
-  context.notes("linearize: note: ", plant.model.notes);
+  context.notes("note: ", plant.model.notes);
   context.print([&] { return to_json(plant.model); }, [&] { return to_text(plant.model); });
 }
 

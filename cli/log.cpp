@@ -21,15 +21,15 @@ struct Options {
 
 void run_log(const Options& options, Context& context) {
   if (options.file.empty())
-    refuse("log", "FILE", "FILE is missing, expected a log, or - for standard input");
-  const std::unique_ptr<LogReader> reader = open_log(options.file, log_options(options.log, "log"));
+    refuse("FILE", "FILE is missing, expected a log, or - for standard input");
+  const std::unique_ptr<LogReader> reader = open_log(options.file, log_options(options.log));
   const LogSurvey survey = survey_log(*reader);
   std::vector<ModelNeeds> models;
   for (const ModelSignals& model : signals_of_built_in_models())
     models.push_back(model_needs(model, survey));
   context.print([&] { return to_json(survey, models, options.file); },
                 [&] { return to_text(survey, models, options.file); });
-  context.notes("log: warning: ", log_warnings(survey.condition));
+  context.notes("warning: ", log_warnings(survey.condition));
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -37,18 +37,18 @@ struct Options {
 MatrixLqgProblem read_problem(const Options& options, Context& context) {
   const MatrixFiles& files = options.matrices;
   const auto need = [&context](const std::string& path, const char* option) {
-    return require_matrix(path, context.in, "lqg", option);
+    return require_matrix(path, context.in, option);
   };
   MatrixLqgProblem problem;
   problem.A = need(files.A, "--A");
   problem.B = need(files.B, "--B");
   problem.C = need(files.C, "--C");
-  problem.D = read_matrix(files.D, context.in, "lqg", "--D");
+  problem.D = read_matrix(files.D, context.in, "--D");
   problem.weights = {need(options.common.Q, "--Q"), need(options.common.R, "--R"),
-                     read_matrix(files.N, context.in, "lqg", "--N")};
-  problem.noise = {read_matrix(files.G, context.in, "lqg", "--G"), need(files.noise_Q, "--noise-Q"),
+                     read_matrix(files.N, context.in, "--N")};
+  problem.noise = {read_matrix(files.G, context.in, "--G"), need(files.noise_Q, "--noise-Q"),
                    need(files.noise_R, "--noise-R"),
-                   read_matrix(files.noise_N, context.in, "lqg", "--noise-N")};
+                   read_matrix(files.noise_N, context.in, "--noise-N")};
   problem.time = files.time.sampled    ? MatrixTime::sampled
                  : files.time.discrete ? MatrixTime::discrete
                                        : MatrixTime::continuous;
@@ -60,23 +60,23 @@ MatrixLqgProblem read_problem(const Options& options, Context& context) {
 void run_matrices(const CommandLine& line, const Options& options, Context& context) {
   const MatrixFiles& files = options.matrices;
   if (!options.common.plant.vehicle.empty())
-    refuse("lqg", "V", "a vehicle and matrices were given together, expected only one of them");
+    refuse("V", "a vehicle and matrices were given together, expected only one of them");
   line.refuse_given({"--integral", "--change", "--past", "--estimator", "--sensors", "--height",
                      "--time", "--recover", "--noise-budget"},
                     "applies to a vehicle only");
-  require_one_time(files.time, "lqg");
+  require_one_time(files.time);
   if (files.time.count() == 0)
-    refuse("lqg", "--discrete",
+    refuse("--discrete",
            "expected one of --discrete (A and B are discrete), --continuous, --sampled DT");
-  if (files.time.sampled) require_positive(*files.time.sampled, "lqg", "--sampled");
+  if (files.time.sampled) require_positive(*files.time.sampled, "--sampled");
   if (options.common.dt && !files.time.discrete)
-    refuse("lqg", "--dt", "--dt with matrices requires --discrete");
-  if (options.common.dt) require_positive(*options.common.dt, "lqg", "--dt");
+    refuse("--dt", "--dt with matrices requires --discrete");
+  if (options.common.dt) require_positive(*options.common.dt, "--dt");
   if (files.estimate != "current" && files.estimate != "delayed")
-    refuse("lqg", "--estimate", "--estimate is '{}', expected current or delayed",
+    refuse("--estimate", "--estimate is '{}', expected current or delayed",
            internal::printable(files.estimate));
   if (files.time.continuous && line.was_given("--estimate"))
-    refuse("lqg", "--estimate", "--estimate requires --discrete or --sampled DT");
+    refuse("--estimate", "--estimate requires --discrete or --sampled DT");
   const MatrixLqgReport report = matrix_lqg(read_problem(options, context));
   if (!report.lqr.solved())
     throw NoSolution(fmt::format("lqg: {}: {}", to_string(report.lqr.status), report.lqr.culprit),
@@ -85,9 +85,9 @@ void run_matrices(const CommandLine& line, const Options& options, Context& cont
     throw NoSolution(
         fmt::format("lqg: filter: {}: {}", to_string(report.filter.status), report.filter.culprit),
         "--A");
-  context.notes("lqg: ", report.messages);
+  context.notes(report.messages);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
-  context.notes("lqg: warning: ", margin_warnings(report.margins));
+  context.notes("warning: ", margin_warnings(report.margins));
 }
 
 void run_lqg(const CommandLine& line, const Options& options, Context& context) {
@@ -99,14 +99,13 @@ void run_lqg(const CommandLine& line, const Options& options, Context& context) 
                      "--discrete", "--sampled", "--estimate"},
                     "applies to matrices only; expected --A, --B and --C");
   if (!options.lqg.recover && line.was_given("--noise-budget"))
-    refuse("lqg", "--noise-budget", "--noise-budget requires --recover");
+    refuse("--noise-budget", "--noise-budget requires --recover");
   if (options.common.plant.vehicle.empty())
-    refuse("lqg", "V", "expected a built-in vehicle or a vehicle file, or --A, --B and --C");
-  require_positive(options.lqg.time, "lqg", "--time");
+    refuse("V", "expected a built-in vehicle or a vehicle file, or --A, --B and --C");
+  require_positive(options.lqg.time, "--time");
   constexpr double kMax = 1e6;
   if (options.lqg.time > kMax)
-    refuse("lqg", "--time", "--time is {}, expected at most {} s", number(options.lqg.time),
-           number(kMax));
+    refuse("--time", "--time is {}, expected at most {} s", number(options.lqg.time), number(kMax));
   const Vehicle vehicle = load_vehicle(options.common.plant.vehicle);
   const LqgReport report = design_on_flown_plant(
       options.common, options.flown, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
@@ -114,7 +113,7 @@ void run_lqg(const CommandLine& line, const Options& options, Context& context) 
         asked.design = flown_lqi_options(vehicle, lqi_design(options.common, options.flown));
         return lqg_report(vehicle, asked, flight, at);
       });
-  context.notes("lqg: ", report.messages);
+  context.notes(report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
@@ -140,7 +139,6 @@ void add_matrix_options(CommandLine& line, MatrixFiles& files) {
 }
 
 void add_options(CommandLine& line, Options& options) {
-  options.common.verb = "lqg";
   line.add_option("V", options.common.plant.vehicle, "built-in vehicle or vehicle file");
   line.add_option("--Q FILE|LIST", options.common.Q,
                   "weights of the 12 states, then of the integrals; a single number applies to "

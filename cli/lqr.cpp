@@ -12,6 +12,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/systems/matrix_lqr.hpp"
 #include "report/gains/gains.hpp"
 #include "report/loops/matrix_loops.hpp"
@@ -48,7 +49,7 @@ constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",   
 bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
   if (structure.empty() || structure == "dynamic") return false;
   if (structure != "matrix")
-    refuse("lqr", "--structure", "--structure is '{}', expected dynamic or matrix{}",
+    refuse("--structure", "--structure is '{}', expected dynamic or matrix{}",
            internal::printable(structure),
            internal::did_you_mean(structure, {"dynamic", "matrix"}));
   line.refuse_given(
@@ -72,14 +73,14 @@ PlantChoice choose_plant(const CommandLine& line, const std::string& plant,
   PlantChoice choice;
   choice.matrix = asks_for_matrix(structure, line);
   const std::string of_ideal = option_of_ideal(line, choice.matrix);
-  choice.flown = plant.empty() ? of_ideal.empty() : asks_for_flown_plant(plant, "lqr");
+  choice.flown = plant.empty() ? of_ideal.empty() : asks_for_flown_plant(plant);
   if (choice.flown && !of_ideal.empty())
-    refuse("lqr", of_ideal,
+    refuse(of_ideal,
            "{} belongs to --plant ideal; on the flown plant the design is for a hover in "
            "convention ned with the wrench as input",
            of_ideal);
   if (!choice.flown && structure == "dynamic" && !of_ideal.empty())
-    refuse("lqr", of_ideal,
+    refuse(of_ideal,
            "{} cannot be combined with --structure dynamic; expected --structure matrix or no "
            "--structure",
            of_ideal);
@@ -95,50 +96,48 @@ PlantChoice choose_plant(const CommandLine& line, const std::string& plant,
 // the requested one.
 
 void run_matrices(const Options& options, Context& context) {
-  require_one_time(options.time, "lqr");
+  require_one_time(options.time);
   std::optional<MarginsEvidence> evidence;
-  if (!options.evidence.empty())
-    evidence = option_of_command("lqr", [&] { return margins_evidence(options.evidence); });
+  if (!options.evidence.empty()) evidence = margins_evidence(options.evidence);
   const auto need = [&context](const std::string& path, const char* option) {
-    return require_matrix(path, context.in, "lqr", option);
+    return require_matrix(path, context.in, option);
   };
   MatrixLqrProblem problem;
   LqrProblem& lqr = problem.lqr;
-  if (options.time.sampled) require_positive(*options.time.sampled, "lqr", "--sampled");
+  if (options.time.sampled) require_positive(*options.time.sampled, "--sampled");
   if (options.vehicle.dt) {
     if (options.time.sampled)
-      refuse("lqr", "--dt",
+      refuse("--dt",
              "--dt cannot be combined with --sampled, which gives the sample period already");
     if (!options.time.discrete)
-      refuse("lqr", "--dt",
+      refuse("--dt",
              "--dt with matrices requires --discrete; use --sampled DT for a "
              "continuous plant whose input is held");
-    require_positive(*options.vehicle.dt, "lqr", "--dt");
+    require_positive(*options.vehicle.dt, "--dt");
     problem.dt = *options.vehicle.dt;
   }
   if (options.show_sampled && !options.time.sampled)
-    refuse("lqr", "--show-sampled", "--show-sampled requires --sampled DT");
+    refuse("--show-sampled", "--show-sampled requires --sampled DT");
   constexpr std::uint64_t kMaxDelay = 2000;
   if (options.delay > kMaxDelay)
-    refuse("lqr", "--delay", "--delay is {} samples, expected at most {}", options.delay,
-           kMaxDelay);
+    refuse("--delay", "--delay is {} samples, expected at most {}", options.delay, kMaxDelay);
   if (options.delay > 0 && !options.time.discrete && !options.time.sampled)
-    refuse("lqr", "--delay", "--delay is in samples, expected --discrete or --sampled DT with it");
+    refuse("--delay", "--delay is in samples, expected --discrete or --sampled DT with it");
   if (options.C.empty() && !options.D.empty())
-    refuse("lqr", "--D", "--D requires --C, the outputs that are integrated");
+    refuse("--D", "--D requires --C, the outputs that are integrated");
   problem.delay = static_cast<int>(options.delay);
   lqr.sampled = options.time.sampled;
   lqr.discrete = options.time.discrete;
   lqr.A = need(options.A, "--A");
   lqr.B = need(options.B, "--B");
-  problem.C = read_matrix(options.C, context.in, "lqr", "--C");
-  problem.D = read_matrix(options.D, context.in, "lqr", "--D");
+  problem.C = read_matrix(options.C, context.in, "--C");
+  problem.D = read_matrix(options.D, context.in, "--D");
   lqr.weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
-                 read_matrix(options.N, context.in, "lqr", "--N")};
+                 read_matrix(options.N, context.in, "--N")};
   const MatrixLqrReport report = matrix_lqr(problem, evidence);
   require_solved(report.lqr.riccati, "--A");
-  context.notes("lqr: ", report.lqr.messages);
-  context.notes("lqr: warning: ", margin_warnings(report.lqr.margins));
+  context.notes(report.lqr.messages);
+  context.notes("warning: ", margin_warnings(report.lqr.margins));
   context.print([&] { return to_json(report); },
                 [&] { return to_text(report, options.show_sampled); });
 }
@@ -169,7 +168,7 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   }
   if (!choice.implied_by.empty())
     context.note(
-        fmt::format("lqr: note: {} implies --plant ideal, the textbook plant without motor lag, "
+        fmt::format("note: {} implies --plant ideal, the textbook plant without motor lag, "
                     "sensor delays and estimator",
                     choice.implied_by));
 }
@@ -178,10 +177,9 @@ void run_lqr(const CommandLine& line, Options& options, Context& context) {
   const bool has_vehicle = !options.vehicle.plant.vehicle.empty();
   const bool has_matrices = !options.A.empty() || !options.B.empty();
   if (has_vehicle && has_matrices)
-    refuse("lqr", options.A.empty() ? "--B" : "--A",
+    refuse(options.A.empty() ? "--B" : "--A",
            "a vehicle and --A or --B were both given, expected one or the other");
-  if (!has_vehicle && !has_matrices)
-    refuse("lqr", "V", "expected a vehicle, or --A, --B, --Q and --R");
+  if (!has_vehicle && !has_matrices) refuse("V", "expected a vehicle, or --A, --B, --Q and --R");
   if (has_vehicle) {
     run_vehicle(line, options, context);
     return;

@@ -23,14 +23,9 @@ namespace {
 /// The format of the table of a schedule, if one is written.
 std::optional<TableFormat> wanted_table(const Context& context) {
   if (context.file.empty()) return context.json ? std::optional(TableFormat::json) : std::nullopt;
-  TableFormat format = TableFormat::toml;
-  try {
-    format = table_format(context.file, "-o");
-  } catch (const InvalidInput& error) {
-    refuse("lqr", "-o", "{}", error.what());
-  }
+  const TableFormat format = table_format(context.file, "-o");
   if (context.json && format != TableFormat::json)
-    refuse("lqr", "-o", "-o is '{}', expected a name that ends in .json with --json",
+    refuse("-o", "-o is '{}', expected a name that ends in .json with --json",
            internal::printable(context.file));
   return format;
 }
@@ -51,7 +46,7 @@ void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& argument
         return lqi_report(vehicle, flown_lqi_options(vehicle, lqi_design(common, arguments)),
                           flight, at);
       });
-  context.notes("lqr: ", report.messages);
+  context.notes(report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
@@ -63,26 +58,24 @@ void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& argumen
       common, arguments, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
         return matrix_report(vehicle, design, flight, at);
       });
-  context.notes("lqr: ", report.messages);
+  context.notes(report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
 void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, Context& context) {
   const MarginsEvidence margins =
-      evidence.empty() ? MarginsEvidence::full
-                       : option_of_command("lqr", [&] { return margins_evidence(evidence); });
+      evidence.empty() ? MarginsEvidence::full : margins_evidence(evidence);
   LinearVehicle plant = make_plant(arguments.plant);
   const LqrDesign design =
       make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
   const VehicleLqrReport report = lqr_report(std::move(plant), design, margins);
-  context.notes("lqr: ", report.messages);
+  context.notes(report.messages);
   require_solved(report.feedback.riccati, arguments.plant.vehicle);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 
 void run_schedule(const LqrArguments& arguments, const std::string& grid, Context& context) {
-  const std::vector<ScheduleAxis> axes =
-      option_of_command("lqr", [&] { return schedule_axes(grid, "--schedule"); });
+  const std::vector<ScheduleAxis> axes = schedule_axes(grid, "--schedule");
   const std::optional<TableFormat> format = wanted_table(context);
   const Vehicle vehicle = load_vehicle(arguments.plant.vehicle);
   const ContinuousLti words =
@@ -91,7 +84,7 @@ void run_schedule(const LqrArguments& arguments, const std::string& grid, Contex
   const ScheduleReport report =
       schedule_report(vehicle, axes, design, {arguments.plant.yaw, context.threads, &interrupted},
                       arguments.plant.vehicle);
-  context.notes("lqr: ", report.messages);
+  context.notes(report.messages);
   context.out << (format ? schedule_text(report.schedule, *format) : to_text(report.schedule));
 }
 

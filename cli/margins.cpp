@@ -16,6 +16,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/systems/matrix_loop.hpp"
 #include "report/loops/loops.hpp"
 #include "report/loops/matrix_loops.hpp"
@@ -48,14 +49,14 @@ bool cut_at_end(const Options& options) {
   const bool has_outputs = options.K.empty() && !options.has_vehicle();
   if (options.cut == "inputs") return false;
   if (options.cut == (has_outputs ? "outputs" : "states")) return true;
-  refuse("margins", "--cut", "--cut is '{}', expected inputs or {}", options.cut,
+  refuse("--cut", "--cut is '{}', expected inputs or {}", options.cut,
          has_outputs ? "outputs" : "states");
 }
 
 /// The plant of a transfer function with a controller as matrices; its delay is one of the loop.
 NamedLoop loop_with_controller(const Options& options, const LoopController& controller) {
-  const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
-  const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
+  const Eigen::VectorXd num = coefficients(options.num, "--num");
+  const Eigen::VectorXd den = coefficients(options.den, "--den");
   MatrixLoopOptions loop;
   loop.delay = options.delay;
   loop.at_outputs = cut_at_end(options);
@@ -73,10 +74,10 @@ NamedLoop loop_with_controller(const Options& options, const LoopController& con
 }
 
 NamedLoop transfer_function_loop(const Options& options, std::istream& in) {
-  if (const auto controller = controller_of(options.controller, in, "margins"))
+  if (const auto controller = controller_of(options.controller, in))
     return loop_with_controller(options, *controller);
-  const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
-  const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
+  const Eigen::VectorXd num = coefficients(options.num, "--num");
+  const Eigen::VectorXd den = coefficients(options.den, "--den");
   if (options.dt) {
     const DiscreteTransferFunction g{num, den, *options.dt,
                                      whole_samples(options.delay, *options.dt)};
@@ -90,15 +91,15 @@ NamedLoop transfer_function_loop(const Options& options, std::istream& in) {
 
 /// How the matrices are to be read, as declared by an option or implied by --dt.
 MatrixTime time_of(const TimeArguments& time, const std::optional<double>& dt) {
-  require_one_time(time, "margins");
+  require_one_time(time);
   if (time.discrete && !dt)
-    refuse("margins", "--dt", "--dt is missing, expected the sample period with --discrete");
+    refuse("--dt", "--dt is missing, expected the sample period with --discrete");
   if (dt && (time.continuous || time.sampled))
-    refuse("margins", "--dt",
+    refuse("--dt",
            "--dt cannot be combined with {}; use --sampled DT for continuous A and B whose input "
            "is held, or --discrete for discrete A and B",
            time.continuous ? "--continuous" : "--sampled");
-  if (time.sampled) require_positive(*time.sampled, "margins", "--sampled");
+  if (time.sampled) require_positive(*time.sampled, "--sampled");
   return time.sampled ? MatrixTime::sampled : dt ? MatrixTime::discrete : MatrixTime::continuous;
 }
 
@@ -110,32 +111,31 @@ NamedLoop output_loop(const Options& options, std::istream& in) {
   loop.delay = options.delay;
   loop.at_outputs = cut_at_end(options);
   ContinuousLti plant;
-  plant.A = require_matrix(options.A, in, "margins", "--A");
-  plant.B = require_matrix(options.B, in, "margins", "--B");
+  plant.A = require_matrix(options.A, in, "--A");
+  plant.B = require_matrix(options.B, in, "--B");
   if (options.C.empty())
-    refuse("margins", "--K", "--K or --C is missing, expected a matrix file for one of them");
-  plant.C = require_matrix(options.C, in, "margins", "--C");
-  plant.D = read_matrix(options.D, in, "margins", "--D");
+    refuse("--K", "--K or --C is missing, expected a matrix file for one of them");
+  plant.C = require_matrix(options.C, in, "--C");
+  plant.D = read_matrix(options.D, in, "--D");
   validate(plant, "--A, --B, --C, --D");
-  return matrix_loop(plant, controller_of(options.controller, in, "margins"), loop);
+  return matrix_loop(plant, controller_of(options.controller, in), loop);
 }
 
 NamedLoop gain_matrix_loop(const Options& options, std::istream& in) {
   if (!options.C.empty() || !options.D.empty())
-    refuse("margins", "--C",
+    refuse("--C",
            "--C and --D cannot be combined with --K, which is a gain on the states; a gain on the "
            "outputs is --controller-D");
   if (options.controller.given())
-    refuse("margins", "--K",
-           "--K cannot be combined with a controller, expected only one of the two");
+    refuse("--K", "--K cannot be combined with a controller, expected only one of the two");
   GainLoopOptions gain;
   gain.time = time_of(options.time, options.dt);
   gain.dt = options.time.sampled.value_or(options.dt.value_or(0));
   gain.declared = options.time.count() > 0;
   gain.delay = options.delay;
-  const Eigen::MatrixXd A = require_matrix(options.A, in, "margins", "--A");
-  const Eigen::MatrixXd B = require_matrix(options.B, in, "margins", "--B");
-  const Eigen::MatrixXd K = require_matrix(options.K, in, "margins", "--K");
+  const Eigen::MatrixXd A = require_matrix(options.A, in, "--A");
+  const Eigen::MatrixXd B = require_matrix(options.B, in, "--B");
+  const Eigen::MatrixXd K = require_matrix(options.K, in, "--K");
   require_shape(K, B.cols(), A.rows(), "--K", "K", "one row per input, one column per state");
   require_finite(K, "--K", "K");
   gain.at_states = cut_at_end(options);
@@ -147,26 +147,23 @@ NamedLoop gain_matrix_loop(const Options& options, std::istream& in) {
 /// Margins of frequency response data.
 void run_data(const Options& options, Context& context) {
   if (!options.plot.file.empty())
-    refuse("margins", "--plot", "--plot requires a model of the loop, and --frd gives none");
-  const FrequencyDataReport report = option_of_command("margins", [&] {
-    return frequency_data_report(read_frequency_data(options.frd),
-                                 measured_response(options.measured),
-                                 controller_of(options.controller, context.in, "margins"),
-                                 options.dt.value_or(0), options.delay, options.skew);
-  });
+    refuse("--plot", "--plot requires a model of the loop, and --frd gives none");
+  const FrequencyDataReport report =
+      frequency_data_report(read_frequency_data(options.frd), measured_response(options.measured),
+                            controller_of(options.controller, context.in), options.dt.value_or(0),
+                            options.delay, options.skew);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
-  context.notes("margins: note: ", report.notes);
-  context.notes("margins: warning: ", margin_warnings(report.margins));
+  context.notes("note: ", report.notes);
+  context.notes("warning: ", margin_warnings(report.margins));
 }
 
 LoopReport vehicle_loop(const Options& options) {
   if (options.flight.gains.empty())
     refuse(
-        "margins", "--gains",
+        "--gains",
         "--gains is missing, expected the gains of the vehicle: a file or an export's directory");
   if (cut_at_end(options))
-    refuse("margins", "--cut",
-           "--cut states applies to matrices only, expected inputs with a vehicle");
+    refuse("--cut", "--cut states applies to matrices only, expected inputs with a vehicle");
   FlownLoopOptions at = options.at;
   at.command_delay = options.delay;
   return loop_report(options.flight, at, options.plant == "flown");
@@ -177,26 +174,26 @@ void require_one_loop(const Options& options, const CommandLine& line) {
   if (int{options.has_fraction()} + int{options.has_matrices()} + int{options.has_vehicle()} +
           int{!options.frd.empty()} !=
       1)
-    refuse("margins", "V",
+    refuse("V",
            "expected exactly one loop, which is given by --num and --den, by --A, --B and --K, by "
            "--A, --B and --C, by --frd, or by a vehicle with --gains");
   if (options.has_vehicle() && options.controller.given())
-    refuse("margins", "V",
+    refuse("V",
            "a vehicle cannot be combined with a controller, because its gains are "
            "the controller; expected --gains");
   if (options.has_vehicle() && options.plant == "flown" && line.was_given("--skew"))
-    refuse("margins", "--skew", "--skew does not apply to the flown loop; expected --plant ideal");
+    refuse("--skew", "--skew does not apply to the flown loop; expected --plant ideal");
   if (options.frd.empty() && line.was_given("--measured"))
-    refuse("margins", "--measured", "--measured requires --frd");
+    refuse("--measured", "--measured requires --frd");
   if (line.was_given("--integrator") && options.controller.pid.empty())
-    refuse("margins", "--integrator", "--integrator requires --pid");
+    refuse("--integrator", "--integrator requires --pid");
   if (line.was_given("--integrator") && !options.dt && !options.time.sampled)
-    refuse("margins", "--integrator",
+    refuse("--integrator",
            "--integrator requires a discrete loop, expected --dt or --sampled with it");
   if (options.has_fraction() && !options.controller.given() && line.was_given("--cut"))
-    refuse("margins", "--cut", "--cut requires matrices or a controller");
+    refuse("--cut", "--cut requires matrices or a controller");
   if (!options.flight.gains.empty() && !options.has_vehicle())
-    refuse("margins", "--gains", "--gains requires a vehicle; expected `margins V --gains FILE`");
+    refuse("--gains", "--gains requires a vehicle; expected `margins V --gains FILE`");
 }
 
 /// The title of the picture: the loop as the command line defines it.
@@ -218,33 +215,37 @@ void require_flown(const Options& options, const CommandLine& line) {
   std::string flown_option;  // the first that was given
   for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
     if (flown_option.empty() && line.was_given(name)) flown_option = name;
-  (void)asks_for_flown_plant(options.plant, "margins");
-  require_positive(options.at.height, "margins", "--height", "metres");
+  (void)asks_for_flown_plant(options.plant);
+  require_positive(options.at.height, "--height", "metres");
   if (flown_option.empty()) return;
   if (!options.has_vehicle())
-    refuse("margins", flown_option, "{} requires a vehicle; expected `margins V --gains FILE`",
-           flown_option);
+    refuse(flown_option, "{} requires a vehicle; expected `margins V --gains FILE`", flown_option);
   if (options.plant == "ideal" && flown_option != "--plant")
-    refuse("margins", flown_option,
-           "{} applies to the flown loop and cannot be combined with --plant ideal", flown_option);
+    refuse(flown_option, "{} applies to the flown loop and cannot be combined with --plant ideal",
+           flown_option);
 }
 
 void require_sane(const Options& options, const CommandLine& line) {
   require_flown(options, line);
   require_one_loop(options, line);
-  require_picture(options.plot, "margins");
-  require_not_negative(options.delay, "margins", "--delay");
-  if (options.dt) require_positive(*options.dt, "margins", "--dt");
+  require_picture(options.plot);
+  require_not_negative(options.delay, "--delay");
+  if (options.dt) require_positive(*options.dt, "--dt");
   if (options.dt && options.has_vehicle())
-    refuse("margins", "--dt",
+    refuse("--dt",
            "--dt applies to a transfer function or to matrices only, because the gains of a "
            "vehicle have their own period");
   if (!options.has_matrices() && options.time.count() > 0)
-    refuse("margins",
-           options.time.sampled      ? "--sampled"
+    refuse(options.time.sampled      ? "--sampled"
            : options.time.continuous ? "--continuous"
                                      : "--discrete",
            "--continuous, --discrete and --sampled apply to matrices only");
+}
+
+LoopReport report_of(const Options& options, std::istream& in) {
+  if (options.has_vehicle()) return vehicle_loop(options);
+  if (!options.has_matrices()) return loop_report(transfer_function_loop(options, in));
+  return loop_report(options.K.empty() ? output_loop(options, in) : gain_matrix_loop(options, in));
 }
 
 void run_margins(const CommandLine& line, const Options& options, Context& context) {
@@ -253,12 +254,7 @@ void run_margins(const CommandLine& line, const Options& options, Context& conte
     run_data(options, context);
     return;
   }
-  LoopReport report = option_of_command("margins", [&] {
-    if (options.has_vehicle()) return vehicle_loop(options);
-    if (!options.has_matrices()) return loop_report(transfer_function_loop(options, context.in));
-    return loop_report(options.K.empty() ? output_loop(options, context.in)
-                                         : gain_matrix_loop(options, context.in));
-  });
+  LoopReport report = report_of(options, context.in);
   if (options.skew != 0) set_skew(report.ideal, report.loop.loop, options.skew);
   draw(
       options.plot,
@@ -274,10 +270,10 @@ void run_margins(const CommandLine& line, const Options& options, Context& conte
         return to_text(report) +
                (options.has_vehicle() ? "" : section("peaks", peaks_text(report.ideal)));
       });
-  if (!report.loop.taken_as.empty()) context.note("margins: " + report.loop.taken_as);
-  if (report.flown) context.notes("margins: note: ", flown_notes(*report.flown));
-  context.notes("margins: note: ", margin_notes(report.margins()));
-  context.notes("margins: warning: ", margin_warnings(report.margins()));
+  if (!report.loop.taken_as.empty()) context.note(report.loop.taken_as);
+  if (report.flown) context.notes("note: ", flown_notes(*report.flown));
+  context.notes("note: ", margin_notes(report.margins()));
+  context.notes("warning: ", margin_warnings(report.margins()));
 }
 
 /// Adds the options of a transfer function and of matrices.

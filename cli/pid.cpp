@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,9 +42,9 @@ struct Options {
 };
 
 ContinuousTransferFunction read_plant(const Options& options) {
-  ContinuousTransferFunction plant{coefficients(options.num, "pid", "--num"),
-                                   coefficients(options.den, "pid", "--den"), options.delay};
-  require_not_negative(options.delay, "pid", "--delay");
+  ContinuousTransferFunction plant{coefficients(options.num, "--num"),
+                                   coefficients(options.den, "--den"), options.delay};
+  require_not_negative(options.delay, "--delay");
   validate(plant, "--num, --den");
   return plant;
 }
@@ -64,7 +63,7 @@ void require_one_way(const Options& options) {
   const bool rule = !options.rule.empty();
   const bool bounds = options.cascade.Ms_max || options.Mt_max || options.noise_gain_max;
   if (!requirement && !rule && !bounds)
-    refuse("pid", "--crossover",
+    refuse("--crossover",
            "the plant has no requirement, expected --crossover with --phase-margin, --rule, or "
            "--Ms-max with optional --Mt-max and --noise-gain-max");
   std::vector<std::string> given;
@@ -72,16 +71,16 @@ void require_one_way(const Options& options) {
   if (rule) given.emplace_back("--rule");
   if (bounds) given.emplace_back("the bounds of --Ms-max");
   if (given.size() > 1)
-    refuse("pid", "--crossover",
+    refuse("--crossover",
            "{} are given together, expected only one of them, because each determines the gains",
            internal::joined(given, " and "));
   if (requirement && !(options.crossover && options.phase_margin))
-    refuse("pid", options.crossover ? "--phase-margin" : "--crossover",
+    refuse(options.crossover ? "--phase-margin" : "--crossover",
            "--crossover and --phase-margin belong together, expected both");
-  require_not_negative(options.Tf.value_or(0), "pid", "--Tf");
+  require_not_negative(options.Tf.value_or(0), "--Tf");
   if (rule && options.Tf)
     refuse(
-        "pid", "--Tf",
+        "--Tf",
         "--Tf cannot be combined with --rule, whose filter time is a tenth of the derivative time");
 }
 
@@ -123,7 +122,7 @@ void require_discrete(const PidGains& gains, const Options& options, const char*
   try {
     (void)pid_settings(gains, *options.cascade.dt, method_of(options));
   } catch (const InvalidInput& error) {
-    refuse("pid", option, "{}: {}", option, error.message());
+    refuse(option, "{}: {}", option, error.message());
   }
 }
 
@@ -152,25 +151,15 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
   if (!options.gains.empty()) {
     line.refuse_given({"--Ku", "--Tu", "--rule", "--type"}, "cannot be combined with --gains");
     if (!options.cascade.dt)
-      refuse("pid", "--dt", "--dt is missing, expected the sample period at which the gains run");
-    print_gains(pid_gains_of(options.gains, "pid", "--gains"), "given", options, context);
+      refuse("--dt", "--dt is missing, expected the sample period at which the gains run");
+    print_gains(pid_gains_of(options.gains, "--gains"), "given", options, context);
     return;
   }
   if (!options.Ku || !options.Tu)
-    refuse("pid", options.Ku ? "--Tu" : "--Ku", "--Ku and --Tu belong together, expected both");
-  require_positive(*options.Tu, "pid", "--Tu");
+    refuse(options.Ku ? "--Tu" : "--Ku", "--Ku and --Tu belong together, expected both");
+  require_positive(*options.Tu, "--Tu");
   const std::string rule = options.rule.empty() ? "ziegler-nichols" : options.rule;
-  const PidGains gains = option_of_command("pid", [&] {
-    const PidType type = pid_type(options.type);
-    try {
-      return ultimate_rule(rule, type, *options.Ku, *options.Tu);
-    } catch (const InvalidInput& error) {
-      const std::vector<std::string>& known = ultimate_rules();
-      if (std::find(known.begin(), known.end(), rule) == known.end())
-        throw OptionError("rule", "rule: " + error.message());
-      throw OptionError("type", error.message());  // the only other thing that the rule restricts
-    }
-  });
+  const PidGains gains = ultimate_rule(rule, pid_type(options.type), *options.Ku, *options.Tu);
   print_gains(gains,
               fmt::format("{} by {} for an ultimate gain of {} and a period of {} s", options.type,
                           rule, number(*options.Ku), number(*options.Tu)),
@@ -178,16 +167,14 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
 }
 
 void run_transfer_function(const Options& options, Context& context) {
-  require_picture(options.plot, "pid");
+  require_picture(options.plot);
   if (options.num.empty() && options.den.empty())
-    refuse("pid", "V", "the plant is missing, expected a vehicle, or --num and --den");
+    refuse("V", "the plant is missing, expected a vehicle, or --num and --den");
   require_one_way(options);
-  const PidReport report = option_of_command("pid", [&] {
-    const PidRequest request = request_of(options);
-    return pid_report(read_plant(options), request);
-  });
+  const PidRequest request = request_of(options);
+  const PidReport report = pid_report(read_plant(options), request);
   if (report.needs_filter)
-    refuse("pid", "--Tf",
+    refuse("--Tf",
            "the gain of the derivative is unbounded for this plant; expected a filter with --Tf");
   draw(
       options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
@@ -199,14 +186,14 @@ void run_transfer_function(const Options& options, Context& context) {
         return json;
       },
       [&] { return to_text(report) + discrete_text(report.gains, options); });
-  context.notes("pid: warning: ", margin_warnings(report.margins));
+  context.notes("warning: ", margin_warnings(report.margins));
 }
 
 // Options of the other mode are rejected. If they were ignored, the gains would not be the
 // requested ones.
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
-  require_picture(options.plot, "pid");
+  require_picture(options.plot);
   line.refuse_given(
       {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf", "--rule",
        "--tau-c", "--Mt-max", "--noise-gain-max", "--Ku", "--Tu", "--gains"},
@@ -214,14 +201,12 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
       "with a vehicle");
   if (line.was_given("--free")) options.cascade.use_published = !options.free;
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  const VehicleCascade cascade = option_of_command(
-      "pid", [&] { return vehicle_cascade(vehicle, options.cascade, options.vehicle); });
+  const VehicleCascade cascade = vehicle_cascade(vehicle, options.cascade, options.vehicle);
   draw(
       options.plot, [&] { return cascade_figure(cascade); }, context);
-  if (!cascade.loop)
-    context.note("pid: note: the flown loop is not analysed: " + cascade.not_analysed);
+  if (!cascade.loop) context.note("note: the flown loop is not analysed: " + cascade.not_analysed);
   context.print([&] { return to_json(cascade); }, [&] { return to_text(cascade); });
-  context.notes("pid: ", notes_of(cascade));
+  context.notes(notes_of(cascade));
 }
 
 void run_pid(const CommandLine& line, Options& options, Context& context) {
@@ -229,9 +214,9 @@ void run_pid(const CommandLine& line, Options& options, Context& context) {
     line.refuse_given({"--method", "--plant", "--bandwidth", "--sensor-delay", "--structure",
                        "--motor-lag", "--rate-lead", "--tracking-max", "--integral", "--free"},
                       "belongs to a vehicle; expected `pid V`");
-    if (options.cascade.dt) require_positive(*options.cascade.dt, "pid", "--dt");
+    if (options.cascade.dt) require_positive(*options.cascade.dt, "--dt");
     if (line.was_given("--integrator") && !options.cascade.dt)
-      refuse("pid", "--integrator", "--integrator requires --dt, the sample period");
+      refuse("--integrator", "--integrator requires --dt, the sample period");
     if (options.Ku || options.Tu || !options.gains.empty()) {
       run_without_plant(line, options, context);
       return;

@@ -45,13 +45,12 @@ std::optional<std::complex<double>> pole_of(const std::string& word) {
 
 Eigen::VectorXcd poles_of(const std::string& list) {
   if (list.empty())
-    refuse("place", "--poles",
-           "--poles is missing, expected one pole per state, e.g. -2,-1+2i,-1-2i");
+    refuse("--poles", "--poles is missing, expected one pole per state, e.g. -2,-1+2i,-1-2i");
   std::vector<std::complex<double>> poles;
   for (const std::string& word : word_list(list)) {
     const auto pole = pole_of(word);
     if (!pole)
-      refuse("place", "--poles", "--poles: '{}' is not a number such as -2 or -1+2i",
+      refuse("--poles", "--poles: '{}' is not a number such as -2 or -1+2i",
              internal::printable(word));
     poles.push_back(*pole);
   }
@@ -69,9 +68,9 @@ std::string unstable_pole(const Options& options, const Eigen::VectorXcd& poles)
 
 void run_place(const Options& options, Context& context) {
   const Eigen::VectorXcd poles = poles_of(options.poles);
-  if (options.dt) require_positive(*options.dt, "place", "--dt");
-  const Eigen::MatrixXd A = require_matrix(options.A, context.in, "place", "--A");
-  const Eigen::MatrixXd B = require_matrix(options.B, context.in, "place", "--B");
+  if (options.dt) require_positive(*options.dt, "--dt");
+  const Eigen::MatrixXd A = require_matrix(options.A, context.in, "--A");
+  const Eigen::MatrixXd B = require_matrix(options.B, context.in, "--B");
   const PolePlacement placement = place_poles(A, B, poles);
   if (!placement.solved())
     throw NoSolution(fmt::format("place: {}: {}{}", to_string(placement.status), placement.culprit,
@@ -80,8 +79,7 @@ void run_place(const Options& options, Context& context) {
                                      : ""),
                      "--A");
   if (const std::string pole = unstable_pole(options, poles); !pole.empty())
-    context.note(fmt::format("place: warning: the closed loop is unstable: the pole {} is not {}",
-                             pole,
+    context.note(fmt::format("warning: the closed loop is unstable: the pole {} is not {}", pole,
                              options.dt ? "inside the unit circle; with --dt, poles are those in z"
                                         : "in the left half-plane"));
   context.print([&] { return to_json(placement); },

@@ -53,26 +53,25 @@ bool is_name(const std::string& word) {
 void require_action(const Options& options) {
   const std::string& action = options.action;
   if (action != "list" && action != "show" && action != "check" && action != "new")
-    refuse("vehicle", "ACTION", "{}; expected list, show V, check FILE or new NAME{}",
+    refuse("ACTION", "{}; expected list, show V, check FILE or new NAME{}",
            action.empty() ? "no action is given" : "'" + internal::printable(action) + "'",
            internal::did_you_mean(action, {"list", "show", "check", "new"}));
   if (action == "list" && !options.vehicle.empty())
-    refuse("vehicle", options.vehicle, "unexpected argument '{}' after list", options.vehicle);
+    refuse(options.vehicle, "unexpected argument '{}' after list", options.vehicle);
   if (action == "new" && !is_name(options.vehicle))
-    refuse("vehicle", "V",
-           "new needs a name for the vehicle: up to 64 letters, digits, '.', '_' and '-'{}",
+    refuse("V", "new needs a name for the vehicle: up to 64 letters, digits, '.', '_' and '-'{}",
            options.vehicle.empty()
                ? ""
                : "; '" + internal::printable(options.vehicle) + "' has other characters");
   const std::vector<std::string> built_in = built_in_vehicles();
   if (action == "new" &&
       std::find(built_in.begin(), built_in.end(), options.vehicle) != built_in.end())
-    refuse("vehicle", "V",
+    refuse("V",
            "'{}' is the name of a built-in vehicle; choose another, because exports identify the "
            "vehicle by its name",
            options.vehicle);
   if (action != "list" && options.vehicle.empty())
-    refuse("vehicle", "V", "{} needs a built-in vehicle's name or a file", action);
+    refuse("V", "{} needs a built-in vehicle's name or a file", action);
 }
 
 /// A question of --ask. An empty answer leaves the option as it is.
@@ -158,15 +157,13 @@ void make_vehicle(Options& options, Context& context) {
        {std::tuple{&words.mass, "--mass", "1240g"}, std::tuple{&words.arm, "--arm", "225mm"},
         std::tuple{&words.propeller, "--propeller", "9.4in"}})
     if (!*word && words.ask)
-      refuse("vehicle", option,
-             "the answer for {} was empty, expected a number with its unit, such as {}", option,
-             example);
+      refuse(option, "the answer for {} was empty, expected a number with its unit, such as {}",
+             option, example);
     else if (!*word)
-      refuse("vehicle", option, "new needs {}, such as {} {}; --ask asks for each number in turn",
-             option, option, example);
-  const NewVehicle made =
-      option_of_command("vehicle", [&] { return new_vehicle(measured_vehicle(options)); });
-  context.notes("vehicle: note: ", estimate_notes(made));
+      refuse(option, "new needs {}, such as {} {}; --ask asks for each number in turn", option,
+             option, example);
+  const NewVehicle made = new_vehicle(measured_vehicle(options));
+  context.notes("note: ", estimate_notes(made));
   context.print([&] { return new_vehicle_json(made); }, [&] { return made.text; });
 }
 

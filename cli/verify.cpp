@@ -31,10 +31,9 @@ void add_options(CommandLine& line, Options& options) {
 }
 
 void run_verify(Options& options, Context& context) {
-  if (options.directory.empty()) refuse("verify", "DIR", "expected an export's directory");
-  const VerifyReport report = option_of_command("verify", [&] {
-    return verify_directory(options.directory, options.vehicle, options.design, options.arm);
-  });
+  if (options.directory.empty()) refuse("DIR", "expected an export's directory");
+  const VerifyReport report =
+      verify_directory(options.directory, options.vehicle, options.design, options.arm);
   context.print([&] { return to_json(report); },
                 [&] {
                   return fmt::format("{}\nverdict: {}\n", to_text(report),
@@ -44,8 +43,8 @@ void run_verify(Options& options, Context& context) {
   const auto wrong = [](const VerifyCheck& check) { return !check.ok; };
   const auto first = std::find_if(report.checks.begin(), report.checks.end(), wrong);
   const auto count = std::count_if(report.checks.begin(), report.checks.end(), wrong);
-  throw AnswerIsNo(fmt::format("verify: {}: {} of {} checks failed, the first is \"{}\"",
-                               options.directory, count, report.checks.size(),
+  throw AnswerIsNo(fmt::format("{}: {} of {} checks failed, the first is \"{}\"", options.directory,
+                               count, report.checks.size(),
                                first == report.checks.end() ? "" : first->name));
 }
 

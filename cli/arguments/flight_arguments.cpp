@@ -42,9 +42,4 @@ void add_flight_options(CommandLine& line, FlightOptions& options) {
                 "air density, gravity and magnetic field vary with height");
 }
 
-PlannedFlight plan_of_command(const FlightOptions& options, const std::string& verb) {
-  if (options.vehicle.empty()) refuse(verb, "V", "expected a vehicle");
-  return option_of_command(verb, [&] { return plan_flight(options, verb); });
-}
-
 }  // namespace quadtune::cli

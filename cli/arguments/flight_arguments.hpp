@@ -15,9 +15,4 @@ class CommandLine;
 /// Adds V and all options of FlightOptions except --seed, which every command has.
 void add_flight_options(CommandLine& line, FlightOptions& options);
 
-/// The flight that the options of a command line describe.
-/// @param verb  name of the command, for messages
-/// @throws UsageError, InvalidInput, FileError, NoSolution
-[[nodiscard]] PlannedFlight plan_of_command(const FlightOptions& options, const std::string& verb);
-
 }  // namespace quadtune::cli

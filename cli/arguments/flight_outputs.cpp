@@ -16,27 +16,25 @@ void add_flight_outputs(CommandLine& line, FlightOutputs& outputs) {
   line.add_option("--report FILE", outputs.report, "write a web page: a .html file");
 }
 
-void require_output_names(const FlightOutputs& outputs, const std::string& verb) {
+void require_output_names(const FlightOutputs& outputs) {
   if (!outputs.report.empty() && !outputs.report.ends_with(".html"))
-    refuse(verb, "--report", "--report is '{}', expected a name that ends in .html",
-           outputs.report);
+    refuse("--report", "--report is '{}', expected a name that ends in .html", outputs.report);
   if (!outputs.log.empty() && !outputs.log.ends_with(".csv") && !outputs.log.ends_with(".mat"))
-    refuse(verb, "--log", "--log is '{}', expected a name that ends in .csv or .mat", outputs.log);
+    refuse("--log", "--log is '{}', expected a name that ends in .csv or .mat", outputs.log);
 }
 
-void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::string& verb) {
-  if (!outputs.log.empty() || !outputs.report.empty())
-    option_of_command(verb, [&] { keep_log(plan); });
+void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan) {
+  if (!outputs.log.empty() || !outputs.report.empty()) keep_log(plan);
 }
 
 void tell_flight(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis,
-                 const FlightOutputs& outputs, const std::string& verb, Context& context) {
+                 const FlightOutputs& outputs, Context& context) {
   if (!outputs.log.empty()) context.write(outputs.log, log_bytes(flight.result.log, outputs.log));
   if (!outputs.report.empty())
     context.write(outputs.report, html(flight_page(flight, context.command, diagnosis)));
   context.print([&] { return to_json(flight, diagnosis); },
                 [&] { return to_text(flight, diagnosis); });
-  if (!flight.passed) throw AnswerIsNo(verb + ": " + reasons(flight).front());
+  if (!flight.passed) throw AnswerIsNo(reasons(flight).front());
 }
 
 }  // namespace quadtune::cli

@@ -20,19 +20,18 @@ struct FlightOutputs {
 /// Adds --log and --report.
 void add_flight_outputs(CommandLine& line, FlightOutputs& outputs);
 
-/// @param verb  name of the command, for messages
 /// @throws UsageError  if the extension of a name does not match its format
-void require_output_names(const FlightOutputs& outputs, const std::string& verb);
+void require_output_names(const FlightOutputs& outputs);
 
 /// Enables logging of every control period if one of the files needs it.
 /// @throws UsageError  if the log would not fit into memory
-void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::string& verb);
+void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan);
 
 /// Writes the files and prints the flight.
 /// @param diagnosis  of a flight that failed, if one was computed
 /// @throws AnswerIsNo  if the flight failed
 /// @throws FileError, Interrupted
 void tell_flight(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis,
-                 const FlightOutputs& outputs, const std::string& verb, Context& context);
+                 const FlightOutputs& outputs, Context& context);
 
 }  // namespace quadtune::cli

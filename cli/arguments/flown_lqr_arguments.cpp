@@ -14,9 +14,9 @@ namespace quadtune::cli {
 namespace {
 
 /// @throws UsageError  if it is not an integer in the valid range
-int past_periods(double past, const std::string& verb) {
+int past_periods(double past) {
   if (past != std::floor(past) || past < 0 || past > kMaxPastCommands)
-    refuse(verb, "--past", "--past is {}, expected an integer from 0 to {}", number(past),
+    refuse("--past", "--past is {}, expected an integer from 0 to {}", number(past),
            kMaxPastCommands);
   return static_cast<int>(past);
 }
@@ -26,9 +26,8 @@ int past_periods(double past, const std::string& verb) {
 void require_weights(const LqiDesign& design) {
   const auto positive = [](const std::string& name, double weight) {
     if (!(weight > 0))
-      refuse("lqr", "--Q",
-             "--Q: the weight of {} is {}; expected more than 0 with --structure matrix", name,
-             number(weight));
+      refuse("--Q", "--Q: the weight of {} is {}; expected more than 0 with --structure matrix",
+             name, number(weight));
   };
   if (!design.Q) return;
   for (std::size_t i = 0; i < kFlownAxes.size(); ++i) {
@@ -55,30 +54,29 @@ void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
 }
 
 LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments) {
-  const std::string& verb = common.verb;
   LqiDesign design;
-  if (common.dt) require_positive(*common.dt, verb, "--dt");
+  if (common.dt) require_positive(*common.dt, "--dt");
   design.dt = common.dt.value_or(design.dt);
   const std::vector<std::string> states = names_of(ned_convention().states);
   const std::vector<std::string> inputs = names_of(ned_convention().wrench);
   if (!common.integral.empty()) design.integrals = read_integrals(common, states);
-  if (arguments.past) design.past = past_periods(*arguments.past, verb);
+  if (arguments.past) design.past = past_periods(*arguments.past);
   if (!common.Q.empty()) {
-    const Eigen::VectorXd Q = state_weights(common.Q, states, design.integrals, verb);
+    const Eigen::VectorXd Q = state_weights(common.Q, states, design.integrals);
     design.Q = Q.head(12);
     design.Q_integral = Q.tail(Q.size() - 12);
   }
   if (!common.R.empty()) {
-    design.R = input_weights(common.R, inputs, verb, "--R");
+    design.R = input_weights(common.R, inputs, "--R");
     if (!(design.R->minCoeff() > 0))
-      refuse(verb, "--R", "--R has a weight of 0, expected weights greater than 0");
+      refuse("--R", "--R has a weight of 0, expected weights greater than 0");
   }
   if (!arguments.change.empty()) {
     if (design.past && *design.past < 1)
-      refuse(verb, "--change",
+      refuse("--change",
              "--change cannot be combined with --past 0; expected --past of at least 1, because "
              "the law must store its last command");
-    design.R_change = input_weights(arguments.change, inputs, verb, "--change");
+    design.R_change = input_weights(arguments.change, inputs, "--change");
   }
   return design;
 }

@@ -37,12 +37,12 @@ void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
                                       const FlownLqrArguments& arguments, bool asks_for_inputs);
 
 /// Calls `design` with the hover at which the loop is analysed.
-/// @throws UsageError  for invalid options of the hover, and in place of OptionError
+/// @throws UsageError, OptionError  for invalid options of the hover
 /// @throws NoSolution  if no solution exists; it names --Q if the weights were given
 template <class Function>
 auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& arguments,
                            Function&& design) {
-  require_positive(arguments.height, common.verb, "--height", "metres");
+  require_positive(arguments.height, "--height", "metres");
   FlightOptions flight;
   flight.vehicle = common.plant.vehicle;
   flight.estimator = arguments.estimator;
@@ -50,10 +50,8 @@ auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& 
   FlownLoopOptions at;
   at.height = arguments.height;
   try {
-    return period_of_command(common.verb, common.dt.has_value(), [&] {
-      require_flight_words(flight);
-      return design(flight, at);
-    });
+    require_flight_words(flight);
+    return design(flight, at);
   } catch (const NoSolution& error) {
     // A state is not observable through the given weights.
     if (common.Q.empty()) throw;

@@ -16,18 +16,18 @@
 namespace quadtune::cli {
 namespace {
 
-void require_format(const std::string& format, const std::string& verb) {
+void require_format(const std::string& format) {
   std::vector<std::string> known;
   for (const LogFormat& one : log_formats()) known.push_back(one.name);
   if (std::find(known.begin(), known.end(), format) == known.end())
-    refuse(verb, "--format", "--format is '{}', expected one of {}{}", format,
+    refuse("--format", "--format is '{}', expected one of {}{}", format,
            internal::joined(known, ", "), internal::did_you_mean(format, known));
 }
 
 /// Rejects an option that applies to text only.
-void refuse_with_format(const std::string& format, const char* option, const std::string& verb) {
+void refuse_with_format(const std::string& format, const char* option) {
   if (!format.empty() && format != "text")
-    refuse(verb, option,
+    refuse(option,
            "{} cannot be combined with --format {}, which defines its own columns and times",
            option, format);
 }
@@ -51,15 +51,15 @@ void add_log_options(CommandLine& line, LogArguments& arguments) {
   line.add_positive("--rate HZ", arguments.rate_hz, "rows per second of a text without times");
 }
 
-LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
+LogOptions log_options(const LogArguments& arguments) {
   LogOptions options;
-  if (!arguments.format.empty()) require_format(arguments.format, verb);
+  if (!arguments.format.empty()) require_format(arguments.format);
   options.format = arguments.format;
   if (!arguments.columns.empty())
     options.columns = parse_log_columns(arguments.columns, "--columns");
   options.rate_hz = arguments.rate_hz.value_or(0);
-  if (arguments.rate_hz) refuse_with_format(options.format, "--rate", verb);
-  if (!arguments.columns.empty()) refuse_with_format(options.format, "--columns", verb);
+  if (arguments.rate_hz) refuse_with_format(options.format, "--rate");
+  if (!arguments.columns.empty()) refuse_with_format(options.format, "--columns");
   return options;
 }
 
@@ -79,33 +79,30 @@ void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
       "s, ms, us or ns; default: that of the header, or else estimated from the values");
 }
 
-LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::string& verb) {
-  LogOptions options = log_options(arguments.log, verb);
+LogOptions sensor_log_options(const SensorLogArguments& arguments) {
+  LogOptions options = log_options(arguments.log);
   const std::string& unit = arguments.time_unit;
   const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
   if (!ticks)
-    refuse(verb, "--time-unit", "--time-unit is '{}', expected s, ms, us or ns",
+    refuse("--time-unit", "--time-unit is '{}', expected s, ms, us or ns",
            internal::printable(unit));
   if (arguments.time.empty()) {
-    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit requires --time");
+    if (!unit.empty()) refuse("--time-unit", "--time-unit requires --time");
     return options;
   }
   if (options.rate_hz > 0)
-    refuse(verb, "--rate",
-           "--rate and --time cannot be combined; expected --rate HZ or --time COLUMN");
+    refuse("--rate", "--rate and --time cannot be combined; expected --rate HZ or --time COLUMN");
   if (!options.columns.empty())
     refuse(
-        verb, "--columns",
+        "--columns",
         "--columns and --time cannot be combined; --columns 't_us:2, *' selects the times as well");
-  refuse_with_format(options.format, "--time", verb);
+  refuse_with_format(options.format, "--time");
   options.columns = {{"t", unit, arguments.time, *ticks}, {}};
   return options;
 }
 
-LogNote notes_of(const std::string& verb, const Context& context) {
-  return [&context, verb](const std::string& line) {
-    context.note(fmt::format("{}: {}", verb, line));
-  };
+LogNote notes_of(const Context& context) {
+  return [&context](const std::string& line) { context.note(line); };
 }
 
 }  // namespace quadtune::cli

@@ -23,9 +23,8 @@ struct LogArguments {
 /// Adds --format, --columns and --rate.
 void add_log_options(CommandLine& line, LogArguments& arguments);
 
-/// @param verb  Name of the command, for messages.
 /// @throws UsageError, InvalidInput  naming the option.
-[[nodiscard]] LogOptions log_options(const LogArguments& arguments, const std::string& verb);
+[[nodiscard]] LogOptions log_options(const LogArguments& arguments);
 
 /// How the log of a sensor is read, including its clock.
 struct SensorLogArguments {
@@ -40,21 +39,9 @@ struct SensorLogArguments {
 void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments);
 
 /// @throws UsageError, InvalidInput  as log_options(), and for options that contradict each other
-[[nodiscard]] LogOptions sensor_log_options(const SensorLogArguments& arguments,
-                                            const std::string& verb);
+[[nodiscard]] LogOptions sensor_log_options(const SensorLogArguments& arguments);
 
 /// Prints notes about logs by Context::note, with the name of the command in front.
-[[nodiscard]] LogNote notes_of(const std::string& verb, const Context& context);
-
-/// As option_of_command(), for a function that reads logs.
-/// @throws UsageError  in place of OptionError and MissingOption
-template <class Function>
-auto option_of_logs(const std::string& verb, Function&& function) {
-  try {
-    return option_of_command(verb, function);
-  } catch (const MissingOption& error) {
-    refuse(verb, "--" + error.option(), "{}", error.what());
-  }
-}
+[[nodiscard]] LogNote notes_of(const Context& context);
 
 }  // namespace quadtune::cli

@@ -27,39 +27,39 @@ void add_controller_options(CommandLine& line, ControllerArguments& arguments) {
                   "with --pid in a discrete loop: euler, backward-euler or tustin (default)");
 }
 
-PidGains pid_gains_of(const std::string& list, const std::string& verb, const std::string& option) {
-  const std::vector<double> values = number_list(list, verb, option);
+PidGains pid_gains_of(const std::string& list, const std::string& option) {
+  const std::vector<double> values = number_list(list, option);
   if (values.empty() || values.size() > 4)
-    refuse(verb, option, "{} has {} numbers, expected Kp[,Ki[,Kd[,Tf]]]", option, values.size());
+    refuse(option, "{} has {} numbers, expected Kp[,Ki[,Kd[,Tf]]]", option, values.size());
   const auto at = [&](std::size_t i) { return i < values.size() ? values[i] : 0.0; };
-  if (at(3) < 0) refuse(verb, option, "{}: Tf is {} s, expected 0 or more", option, at(3));
+  if (at(3) < 0) refuse(option, "{}: Tf is {} s, expected 0 or more", option, at(3));
   return {at(0), at(1), at(2), at(3)};
 }
 
-std::optional<LoopController> controller_of(const ControllerArguments& arguments, std::istream& in,
-                                            const std::string& verb) {
+std::optional<LoopController> controller_of(const ControllerArguments& arguments,
+                                            std::istream& in) {
   const bool fraction = !arguments.num.empty() || !arguments.den.empty();
   const bool matrices =
       !arguments.A.empty() || !arguments.B.empty() || !arguments.C.empty() || !arguments.D.empty();
   const bool pid = !arguments.pid.empty();
   if (int{fraction} + int{matrices} + int{pid} > 1)
-    refuse(verb, pid ? "--pid" : "--controller-num",
+    refuse(pid ? "--pid" : "--controller-num",
            "more than one controller was given, expected only one: either --controller-num and "
            "--controller-den, --controller-A to --controller-D, or --pid");
   LoopController controller;
   if (pid) {
-    controller.pid = pid_gains_of(arguments.pid, verb, "--pid");
+    controller.pid = pid_gains_of(arguments.pid, "--pid");
     controller.method = pid_method(arguments.integrator, "--integrator");
   } else if (fraction) {
-    controller.num = coefficients(arguments.num, verb, "--controller-num");
-    controller.den = coefficients(arguments.den, verb, "--controller-den");
+    controller.num = coefficients(arguments.num, "--controller-num");
+    controller.den = coefficients(arguments.den, "--controller-den");
   } else if (matrices) {
-    controller.D = read_matrix(arguments.D, in, verb, "--controller-D");
+    controller.D = read_matrix(arguments.D, in, "--controller-D");
     const bool gain = arguments.A.empty() && arguments.B.empty() && arguments.C.empty();
     if (gain) return controller;
-    controller.A = require_matrix(arguments.A, in, verb, "--controller-A");
-    controller.B = require_matrix(arguments.B, in, verb, "--controller-B");
-    controller.C = require_matrix(arguments.C, in, verb, "--controller-C");
+    controller.A = require_matrix(arguments.A, in, "--controller-A");
+    controller.B = require_matrix(arguments.B, in, "--controller-B");
+    controller.C = require_matrix(arguments.C, in, "--controller-C");
   } else {
     return {};
   }
@@ -77,17 +77,17 @@ void add_system_options(CommandLine& line, SystemArguments& arguments) {
 }
 
 std::variant<ContinuousLti, DiscreteLti> system_of(const SystemArguments& arguments,
-                                                   std::istream& in, const std::string& verb) {
+                                                   std::istream& in) {
   const bool fraction = !arguments.num.empty() || !arguments.den.empty();
   const bool matrices =
       !arguments.A.empty() || !arguments.B.empty() || !arguments.C.empty() || !arguments.D.empty();
   if (fraction == matrices)
-    refuse(verb, fraction ? "--num" : "--A",
+    refuse(fraction ? "--num" : "--A",
            "expected either --A and --B, with --C and --D if required, or --num and --den");
-  if (arguments.dt) require_positive(*arguments.dt, verb, "--dt");
+  if (arguments.dt) require_positive(*arguments.dt, "--dt");
   if (fraction) {
-    const Eigen::VectorXd num = coefficients(arguments.num, verb, "--num");
-    const Eigen::VectorXd den = coefficients(arguments.den, verb, "--den");
+    const Eigen::VectorXd num = coefficients(arguments.num, "--num");
+    const Eigen::VectorXd den = coefficients(arguments.den, "--den");
     if (arguments.dt) {
       const DiscreteTransferFunction g{num, den, *arguments.dt, 0};
       validate(g, "--num, --den");
@@ -98,10 +98,10 @@ std::variant<ContinuousLti, DiscreteLti> system_of(const SystemArguments& argume
     return realize(g);
   }
   ContinuousLti plant;
-  plant.A = require_matrix(arguments.A, in, verb, "--A");
-  plant.B = require_matrix(arguments.B, in, verb, "--B");
-  plant.C = read_matrix(arguments.C, in, verb, "--C");
-  plant.D = read_matrix(arguments.D, in, verb, "--D");
+  plant.A = require_matrix(arguments.A, in, "--A");
+  plant.B = require_matrix(arguments.B, in, "--B");
+  plant.C = read_matrix(arguments.C, in, "--C");
+  plant.D = read_matrix(arguments.D, in, "--D");
   validate(plant, "--A, --B, --C, --D");
   if (!arguments.dt) return plant;
   return DiscreteLti{plant.A, plant.B, plant.C, plant.D, *arguments.dt, {}, {}, {}};

@@ -31,13 +31,11 @@ void add_controller_options(CommandLine& line, ControllerArguments& arguments);
 /// The controller; no value if no option was given.
 /// @throws UsageError  if more than one kind was given, or a part is missing
 [[nodiscard]] std::optional<LoopController> controller_of(const ControllerArguments& arguments,
-                                                          std::istream& in,
-                                                          const std::string& verb);
+                                                          std::istream& in);
 
 /// Gains of "Kp", "Kp,Ki", "Kp,Ki,Kd" or "Kp,Ki,Kd,Tf".
 /// @throws UsageError
-[[nodiscard]] PidGains pid_gains_of(const std::string& list, const std::string& verb,
-                                    const std::string& option);
+[[nodiscard]] PidGains pid_gains_of(const std::string& list, const std::string& option);
 
 struct SystemArguments {
   std::string A, B, C, D, num, den;
@@ -49,7 +47,6 @@ void add_system_options(CommandLine& line, SystemArguments& arguments);
 
 /// @throws UsageError  unless one of both forms was given completely
 [[nodiscard]] std::variant<ContinuousLti, DiscreteLti> system_of(const SystemArguments& arguments,
-                                                                 std::istream& in,
-                                                                 const std::string& verb);
+                                                                 std::istream& in);
 
 }  // namespace quadtune::cli

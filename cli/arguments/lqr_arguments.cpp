@@ -16,32 +16,31 @@ namespace quadtune::cli {
 
 std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
-  const std::string& verb = arguments.verb;
   if (arguments.integral == "none") return {};
   std::vector<std::string> names = word_list(arguments.integral);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
-      refuse(verb, "--integral", "--integral: unknown state '{}'; expected names from {}{}", name,
+      refuse("--integral", "--integral: unknown state '{}'; expected names from {}{}", name,
              internal::joined(states, " "), internal::did_you_mean(name, states));
     if (std::count(names.begin(), names.end(), name) > 1)
-      refuse(verb, "--integral", "--integral: state '{}' is listed twice; expected once", name);
+      refuse("--integral", "--integral: state '{}' is listed twice; expected once", name);
   }
   return names;
 }
 
 Eigen::VectorXd state_weights(const std::string& list, const std::vector<std::string>& states,
-                              const std::vector<std::string>& integrals, const std::string& verb) {
+                              const std::vector<std::string>& integrals) {
   std::vector<std::string> weighted = states;
   for (const std::string& name : integrals) weighted.push_back("int_" + name);
   return diagonal_weights(list, weighted.size(),
-                          fmt::format("states: {}", internal::joined(weighted, " ")), verb, "--Q")
+                          fmt::format("states: {}", internal::joined(weighted, " ")), "--Q")
       .diagonal();
 }
 
 Eigen::VectorXd input_weights(const std::string& list, const std::vector<std::string>& inputs,
-                              const std::string& verb, const std::string& option) {
+                              const std::string& option) {
   return diagonal_weights(list, inputs.size(),
-                          fmt::format("inputs: {}", internal::joined(inputs, " ")), verb, option)
+                          fmt::format("inputs: {}", internal::joined(inputs, " ")), option)
       .diagonal();
 }
 
@@ -53,20 +52,18 @@ LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& 
   design.method = lqr_method(arguments.method, "--method");
   design.dt = arguments.dt.value_or(0);
   if (design.method != LqrMethod::continuous && !arguments.dt)
-    refuse(arguments.verb, "--dt", "--dt is missing, expected a sample period with --method {}",
-           arguments.method);
-  if (arguments.dt) require_positive(*arguments.dt, arguments.verb, "--dt");
+    refuse("--dt", "--dt is missing, expected a sample period with --method {}", arguments.method);
+  if (arguments.dt) require_positive(*arguments.dt, "--dt");
   design.states = names_or_numbers(states, std::ssize(states));
   design.inputs = names_or_numbers(inputs, std::ssize(inputs));
   design.integrals = read_integrals(arguments, design.states);
   // Without a list, all weights are 1.
   const auto or_ones = [](const std::string& list) { return list.empty() ? "1" : list; };
-  const Eigen::VectorXd Q =
-      state_weights(or_ones(arguments.Q), design.states, design.integrals, arguments.verb);
+  const Eigen::VectorXd Q = state_weights(or_ones(arguments.Q), design.states, design.integrals);
   const auto nx = static_cast<Eigen::Index>(design.states.size());
   design.Q = Q.head(nx).asDiagonal();
   design.Q_integral = Q.tail(Q.size() - nx).asDiagonal();
-  design.R = input_weights(or_ones(arguments.R), design.inputs, arguments.verb, "--R").asDiagonal();
+  design.R = input_weights(or_ones(arguments.R), design.inputs, "--R").asDiagonal();
   return design;
 }
 

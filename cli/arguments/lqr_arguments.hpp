@@ -18,7 +18,6 @@ struct LqrArguments {
   std::string integral;  // names, or "none"
   std::string method = "continuous";
   std::optional<double> dt;  // [s]
-  std::string verb = "lqr";  // name of the command, for messages
 };
 
 /// The names of --integral. Each must be a state of the model and be listed once; "none" gives no
@@ -32,14 +31,13 @@ struct LqrArguments {
 /// @throws UsageError  naming --Q, its value and what was expected.
 [[nodiscard]] Eigen::VectorXd state_weights(const std::string& list,
                                             const std::vector<std::string>& states,
-                                            const std::vector<std::string>& integrals,
-                                            const std::string& verb);
+                                            const std::vector<std::string>& integrals);
 
 /// The diagonal of the weights of the inputs, from a list; a single number applies to all.
 /// @param option  e.g. "--R"
 [[nodiscard]] Eigen::VectorXd input_weights(const std::string& list,
                                             const std::vector<std::string>& inputs,
-                                            const std::string& verb, const std::string& option);
+                                            const std::string& option);
 
 /// The problem for a model with these states and inputs.
 /// @throws UsageError  naming the option, its value and what was expected.

@@ -16,16 +16,10 @@
 
 namespace quadtune::cli {
 
-Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in, const std::string& verb,
-                            const std::string& option) {
+Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in, const std::string& option) {
   if (path.empty()) return {};
-  if (const auto lines = matrix_lines(path)) {
-    try {
-      return parse_text_matrix(*lines, fmt::format("{} '{}'", option, internal::printable(path)));
-    } catch (const InvalidInput& error) {
-      refuse(verb, option, "{}", error.what());  // the matrix is part of the command line
-    }
-  }
+  if (const auto lines = matrix_lines(path))  // the matrix is part of the command line
+    return parse_text_matrix(*lines, fmt::format("{} '{}'", option, internal::printable(path)));
   if (path != "-") return read_text_matrix(path);
   // Reads at most one byte more than the limit, which is enough to reject an input that is too
   // long. Reads from the buffer directly, because a stream would swallow an exception of its buffer
@@ -42,68 +36,64 @@ Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in, const std
   return parse_text_matrix(text, "standard input");
 }
 
-Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const std::string& verb,
+Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in,
                                const std::string& option) {
-  if (path.empty()) refuse(verb, option, "{} is missing, expected a matrix file", option);
-  return read_matrix(path, in, verb, option);
+  if (path.empty()) refuse(option, "{} is missing, expected a matrix file", option);
+  return read_matrix(path, in, option);
 }
 
 std::vector<std::string> word_list(const std::string& text) {
   return internal::comma_separated(text);
 }
 
-std::vector<double> number_list(const std::string& text, const std::string& verb,
-                                const std::string& option) {
+std::vector<double> number_list(const std::string& text, const std::string& option) {
   std::vector<double> numbers;
   for (const std::string& word : word_list(text)) {
     double value = 0;
     if (!internal::read_number(word, value))
-      refuse(verb, option, "{}: '{}' is not a finite number, expected numbers separated by commas",
+      refuse(option, "{}: '{}' is not a finite number, expected numbers separated by commas",
              option, word);
     numbers.push_back(value);
   }
   return numbers;
 }
 
-Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
-                             const std::string& option) {
+Eigen::VectorXd coefficients(const std::string& text, const std::string& option) {
   if (text.empty())
-    refuse(verb, option, "{} is missing, expected coefficients in descending powers, e.g. 1,6,11,6",
+    refuse(option, "{} is missing, expected coefficients in descending powers, e.g. 1,6,11,6",
            option);
-  const std::vector<double> values = number_list(text, verb, option);
+  const std::vector<double> values = number_list(text, option);
   return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
 Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
-                                 const std::string& what, const std::string& verb,
-                                 const std::string& option) {
-  std::vector<double> numbers = number_list(text, verb, option);
+                                 const std::string& what, const std::string& option) {
+  std::vector<double> numbers = number_list(text, option);
   for (const double weight : numbers)
     if (weight < 0)
-      refuse(verb, option, "{}: {} is negative, expected weights of 0 or more", option, weight);
+      refuse(option, "{}: {} is negative, expected weights of 0 or more", option, weight);
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
-    refuse(verb, option, "{} has {} entries, expected {} or a single one for all ({})", option,
+    refuse(option, "{} has {} entries, expected {} or a single one for all ({})", option,
            numbers.size(), count, what);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(count))
       .asDiagonal();
 }
 
-void require_one_time(const TimeArguments& time, const std::string& verb) {
+void require_one_time(const TimeArguments& time) {
   if (time.count() > 1)
     refuse(
-        verb, time.sampled ? "--sampled" : "--discrete",
+        time.sampled ? "--sampled" : "--discrete",
         "more than one of --continuous, --discrete and --sampled was given; expected one of them");
 }
 
-void require_not_negative(double value, const std::string& verb, const std::string& option) {
-  if (value < 0) refuse(verb, option, "{} is {} s, expected 0 or more", option, number(value));
+void require_not_negative(double value, const std::string& option) {
+  if (value < 0) refuse(option, "{} is {} s, expected 0 or more", option, number(value));
 }
 
-void require_positive(double value, const std::string& verb, const std::string& option,
-                      const std::string& unit) {
+void require_positive(double value, const std::string& option, const std::string& unit) {
   if (!(value > 0) || !std::isfinite(value))
-    refuse(verb, option, "{} is {}, expected a positive number of {}", option, value, unit);
+    refuse(option, "{} is {}, expected a positive number of {}", option, value, unit);
 }
 
 }  // namespace quadtune::cli

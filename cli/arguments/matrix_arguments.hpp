@@ -13,30 +13,27 @@ namespace quadtune::cli {
 /// Reads the matrix file of an option; `-` reads `in`. Returns an empty matrix if the option was
 /// not given.
 [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in,
-                                          const std::string& verb, const std::string& option);
+                                          const std::string& option);
 
 /// As read_matrix(), for a required option.
 /// @throws UsageError  "quadtune lqr: --B is missing, expected a matrix file".
 [[nodiscard]] Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in,
-                                             const std::string& verb, const std::string& option);
+                                             const std::string& option);
 
 /// Parses "1,1,1e3" as numbers.
 /// @throws UsageError  naming the option and the word that is not a finite number.
-[[nodiscard]] std::vector<double> number_list(const std::string& text, const std::string& verb,
-                                              const std::string& option);
+[[nodiscard]] std::vector<double> number_list(const std::string& text, const std::string& option);
 
 /// Parses "1,6,11,6" as the coefficients of a polynomial in descending powers.
 /// @throws UsageError  as number_list(), or "quadtune pid: --num is missing, expected …".
-[[nodiscard]] Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
-                                           const std::string& option);
+[[nodiscard]] Eigen::VectorXd coefficients(const std::string& text, const std::string& option);
 
 /// A diagonal matrix of `count` weights from a list; a single number applies to all.
 /// @param what  what the entries belong to, e.g. "states: x y z".
 /// @throws UsageError  naming the option, its number of entries and the expected number, or the
 ///                     negative weight.
 [[nodiscard]] Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
-                                               const std::string& what, const std::string& verb,
-                                               const std::string& option);
+                                               const std::string& what, const std::string& option);
 
 /// Splits "x,y,z" into words; an empty text gives no words.
 [[nodiscard]] std::vector<std::string> word_list(const std::string& text);
@@ -54,13 +51,12 @@ struct TimeArguments {
 };
 
 /// @throws UsageError  if more than one was given
-void require_one_time(const TimeArguments& time, const std::string& verb);
+void require_one_time(const TimeArguments& time);
 
 /// @throws UsageError  unless value [s] ≥ 0
-void require_not_negative(double value, const std::string& verb, const std::string& option);
+void require_not_negative(double value, const std::string& option);
 
 /// @throws UsageError  unless 0 < value < ∞.
-void require_positive(double value, const std::string& verb, const std::string& option,
-                      const std::string& unit = "seconds");
+void require_positive(double value, const std::string& option, const std::string& unit = "seconds");
 
 }  // namespace quadtune::cli

@@ -40,10 +40,10 @@ MissionTuningOptions tuning_options(const MissionTuningArguments& arguments,
 
 }  // namespace
 
-void require_design_name(const std::string& file, const std::string& verb) {
+void require_design_name(const std::string& file) {
   std::error_code ignored;
   if (file.empty() || file.ends_with(".toml") || std::filesystem::is_other(file, ignored)) return;
-  refuse(verb, "-o",
+  refuse("-o",
          "-o is '{}', expected a name that ends in .toml, by which `quadtune export` and `fly "
          "--gains` recognize a design file",
          internal::printable(file));
@@ -76,33 +76,31 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
   line.add_option("--report FILE", arguments.report, "write a web page: a .html file");
 }
 
-void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
+void require_sane(const MissionTuningArguments& arguments) {
   FlightOptions flight;
   flight.estimator = arguments.estimator;
   flight.sensors = arguments.sensors;
   if (!arguments.wind.empty()) flight.wind = arguments.wind;
-  option_of_command(verb, [&] { require_flight_words(flight); });
+  require_flight_words(flight);
   if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
   if (!(arguments.budget > 0) || arguments.budget > 1e6)
-    refuse(verb, "--budget", "--budget is {}, expected more than 0 and at most 1e6 s",
-           arguments.budget);
+    refuse("--budget", "--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget);
   for (const auto& [option, draws] :
        {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
     if (draws > kMaxDraws)
-      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMaxDraws);
-  require_design_name(arguments.file, verb);
+      refuse(option, "{} is {}, expected at most {}", option, draws, kMaxDraws);
+  require_design_name(arguments.file);
   if (arguments.report.empty()) return;
   if (!arguments.report.ends_with(".html"))
-    refuse(verb, "--report", "--report is '{}', expected a name that ends in .html",
+    refuse("--report", "--report is '{}', expected a name that ends in .html",
            internal::printable(arguments.report));
 }
 
-MissionRequirements mission_requirements(const std::string& verb,
-                                         const MissionTuningArguments& arguments) {
+MissionRequirements mission_requirements(const MissionTuningArguments& arguments) {
   MissionRequirements requirements;
   if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
   if (!arguments.missions.empty() && !requirements.missions.empty())
-    refuse(verb, "--mission",
+    refuse("--mission",
            "--mission cannot be combined with requirements that have [[mission]]; expected one of "
            "them");
   // These options would be ignored, so they are rejected.
@@ -111,8 +109,8 @@ MissionRequirements mission_requirements(const std::string& verb,
                                      std::pair("--wind", !arguments.wind.empty()),
                                      std::pair("--duration", arguments.duration.has_value())})
     if (came && !requirements.missions.empty())
-      refuse(verb, option,
-             "{} cannot be combined with requirements that have [[mission]]; set it there", option);
+      refuse(option, "{} cannot be combined with requirements that have [[mission]]; set it there",
+             option);
   for (const std::string& name : arguments.missions) {
     CampaignMission mission;
     mission.mission = load_mission(name);
@@ -125,30 +123,23 @@ MissionRequirements mission_requirements(const std::string& verb,
     requirements.missions.push_back(std::move(mission));
   }
   if (requirements.missions.empty())
-    refuse(verb, "--mission", "expected --mission NAME, or --requirements FILE with [[mission]]");
-  if (!arguments.measure.empty()) {
-    try {
-      requirements.measure = robust_measure(arguments.measure, "--measure");
-    } catch (const InvalidInput& error) {
-      refuse(verb, "--measure", "{}", error.what());
-    }
-  }
+    refuse("--mission", "expected --mission NAME, or --requirements FILE with [[mission]]");
+  if (!arguments.measure.empty())
+    requirements.measure = robust_measure(arguments.measure, "--measure");
   return requirements;
 }
 
-void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
-                        const MissionRequirements& requirements,
+void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,
                         const MissionTuningArguments& arguments, Context& context) {
   MissionTuningOptions options = tuning_options(arguments, context);
-  MissionTuningPlan plan = option_of_command(
-      verb, [&] { return plan_mission_tuning(tuning, requirements, options, verb); });
-  context.notes(verb + ": note: ", plan.notes);
+  MissionTuningPlan plan = plan_mission_tuning(tuning, requirements, options, context.verb);
+  context.notes("note: ", plan.notes);
   const KeepsTheBest keeps_the_best;
   const MissionTuningResult result = [&] {
     Progress progress(context);
     options.progress = [&](double best, int evaluations, double left) {
-      progress.show(fmt::format("{}: minimum cost {:.4g} after {} designs, {:.0f} s left", verb,
-                                best, evaluations, std::ceil(left)));
+      progress.show(fmt::format("{}: minimum cost {:.4g} after {} designs, {:.0f} s left",
+                                context.verb, best, evaluations, std::ceil(left)));
     };
     return tune_missions(tuning, requirements, std::move(plan), options);
   }();
@@ -177,7 +168,7 @@ void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
     context.write(arguments.report, html(page), stop);
   }
   if (ended) throw Interrupted();
-  if (!search.accepted) throw AnswerIsNo(verb + ": " + search.reason);
+  if (!search.accepted) throw AnswerIsNo(search.reason);
 }
 
 }  // namespace quadtune::cli

@@ -35,25 +35,22 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
 
 /// Validates the options before anything is designed.
 /// @throws UsageError
-void require_sane(const std::string& verb, const MissionTuningArguments& arguments);
+void require_sane(const MissionTuningArguments& arguments);
 /// The requirements that --mission, --requirements and the options of the flights describe.
 /// @throws UsageError, InvalidInput, FileError
-[[nodiscard]] MissionRequirements mission_requirements(const std::string& verb,
-                                                       const MissionTuningArguments& arguments);
+[[nodiscard]] MissionRequirements mission_requirements(const MissionTuningArguments& arguments);
 
 /// Requires that the name of a design file ends in .toml, by which it is recognized later, or is a
 /// device.
 /// @throws UsageError
-void require_design_name(const std::string& file, const std::string& verb);
+void require_design_name(const std::string& file);
 
 /// Searches, compares the result with the start on fresh draws, and prints it. Writes the design
 /// file if the result is accepted or --force was given, and the page in any case.
 /// @throws AnswerIsNo   if the search found nothing better than the start
 /// @throws Interrupted  after the best result so far was printed and written, if a signal ended the
 ///                      search
-/// @param verb  "tune pid"
-void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
-                        const MissionRequirements& requirements,
+void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,
                         const MissionTuningArguments& arguments, Context& context);
 
 }  // namespace quadtune::cli

@@ -6,7 +6,6 @@
 #include "program/refusal.hpp"
 #include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/workbench/flown/plant_word.hpp"
 
 namespace quadtune::cli {
 
@@ -56,29 +55,20 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
   plant.flight = flight_condition(arguments);
   const FlightCondition& condition = plant.flight;
   if (condition.kind == FlightKind::circle && condition.radius == 0)
-    throw UsageError(
-        "quadtune: --at circle requires --radius, the radius of the circle in metres, not 0",
-        "--radius");
+    refuse("--radius", "--at circle requires --radius, the radius of the circle in metres, not 0");
   if (condition.kind == FlightKind::circle && condition.speed == 0)
-    throw UsageError("quadtune: --at circle requires --speed, a positive ground speed in m/s",
-                     "--speed");
+    refuse("--speed", "--at circle requires --speed, a positive ground speed in m/s");
   if (condition.kind == FlightKind::spin && condition.yaw_rate == 0)
-    throw UsageError(
-        "quadtune: --at spin requires --yaw-rate, the yaw rate of the spin in rad/s, not 0",
-        "--yaw-rate");
+    refuse("--yaw-rate", "--at spin requires --yaw-rate, the yaw rate of the spin in rad/s, not 0");
   const LinearizeOptions options = linearize_options(arguments);
   try {
     plant.model = linearize_or_refuse(plant.vehicle, condition, options, arguments.vehicle);
   } catch (const InvalidInput& error) {
     if (error.where() != "trim") throw;
     // The flight itself is invalid, e.g. its speed is negative, so the options are the cause.
-    throw InvalidInput("--at " + arguments.at, error.message());
+    refuse("--at " + arguments.at, "--at {}: {}", arguments.at, error.message());
   }
   return plant;
-}
-
-bool asks_for_flown_plant(const std::string& plant, const std::string& verb) {
-  return option_of_command(verb, [&] { return quadtune::asks_for_flown_plant(plant); });
 }
 
 }  // namespace quadtune::cli

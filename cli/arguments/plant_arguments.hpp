@@ -41,9 +41,4 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments);
 /// @throws NoSolution  if no trim exists; the message names the reason.
 [[nodiscard]] LinearVehicle make_plant(const PlantArguments& arguments);
 
-/// Whether the option --plant selects the flown plant: true for "flown", false for "ideal".
-/// @param verb  name of the command for the message, e.g. "margins"
-/// @throws UsageError  for any other value
-[[nodiscard]] bool asks_for_flown_plant(const std::string& plant, const std::string& verb);
-
 }  // namespace quadtune::cli

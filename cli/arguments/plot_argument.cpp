@@ -29,11 +29,11 @@ void add_plot_option(CommandLine& line, PlotArgument& argument) {
       "write its curves as numbers");
 }
 
-void require_picture(const PlotArgument& argument, const std::string& verb) {
+void require_picture(const PlotArgument& argument) {
   if (argument.file.empty() || ending(argument) == ".svg" || ending(argument) == ".png" ||
       is_data(argument))
     return;
-  refuse(verb, "--plot", "--plot is '{}', expected a name that ends in .svg, .png, .csv or .json",
+  refuse("--plot", "--plot is '{}', expected a name that ends in .svg, .png, .csv or .json",
          argument.file);
 }
 

@@ -23,7 +23,7 @@ void add_plot_option(CommandLine& line, PlotArgument& argument);
 
 /// Validates the file name. Call it before any work.
 /// @throws UsageError  if the name does not end in .svg or .png
-void require_picture(const PlotArgument& argument, const std::string& verb);
+void require_picture(const PlotArgument& argument);
 
 /// Draws the figure and writes it completely or not at all. Without a file it does nothing and does
 /// not compute the figure.

@@ -12,7 +12,7 @@ void require_tuned(const DesignOutcome& outcome, bool force, const Context& cont
   const std::string file = outcome.design.file.string();
   for (const std::string& doubt : unconfirmed_covariances(outcome.design)) {
     if (!force) throw Refusal(fmt::format("{}: {}; use --force to accept it", file, doubt), file);
-    context.note("design: warning: " + doubt);
+    context.note("warning: " + doubt);
   }
 }
 

@@ -29,20 +29,15 @@ struct Options {
   bool dry_run = false;
 };
 
-constexpr const char* kEncode = "link encode";
-constexpr const char* kDecode = "link decode";
-constexpr const char* kSend = "link send";
-
 /// The command that the words describe. Errors in them are errors of the command line.
-LinkCommand command_of(const Options& options, const std::string& verb) {
-  const LinkFirmware firmware =
-      option_of_command(verb, [&] { return link_firmware(options.firmware); });
+LinkCommand command_of(const Options& options) {
+  const LinkFirmware firmware = link_firmware(options.firmware);
   try {
     LinkCommand command = link_command(firmware, options.name, options.words);
     command.acknowledged = !options.no_ack;
     return command;
   } catch (const InvalidInput& error) {
-    refuse(verb, error.where(), "{}", error.what());
+    refuse(error.where(), "{}", error.what());
   }
 }
 
@@ -54,28 +49,26 @@ std::optional<std::uint64_t> sequence_of(const CommandLine& line, const Options&
 // --- encode ---
 
 void run_encode(CommandLine& line, const Options& options, Context& context) {
-  const LinkCommand given = command_of(options, kEncode);
+  const LinkCommand given = command_of(options);
   // A frame that is not sent may have any number.
   const std::optional<std::uint64_t> sequence = given.firmware == LinkFirmware::native
                                                     ? sequence_of(line, options).value_or(0)
                                                     : sequence_of(line, options);
-  const LinkMessage message =
-      option_of_command(kEncode, [&] { return link_message(given, sequence); });
+  const LinkMessage message = link_message(given, sequence);
   context.print([&] { return to_json(message.command); }, [&] { return to_text(message.command); });
 }
 
 // --- decode ---
 
 void run_decode(const Options& options, Context& context) {
-  const LinkFirmware firmware =
-      option_of_command(kDecode, [&] { return link_firmware(options.firmware); });
+  const LinkFirmware firmware = link_firmware(options.firmware);
   if (options.words.empty())
-    refuse(kDecode, "HEX", "the bytes are missing, expected a frame, e.g. 02 00 00 00");
+    refuse("HEX", "the bytes are missing, expected a frame, e.g. 02 00 00 00");
   const LinkCommand command = [&] {
     try {
       return decode_link_frame(firmware, link_bytes(internal::joined(options.words, " ")));
     } catch (const InvalidInput& error) {
-      refuse(kDecode, "HEX", "{}", error.what());  // the frame is part of the command line
+      refuse("HEX", "{}", error.what());  // the frame is part of the command line
     }
   }();
   context.print([&] { return to_json(command); }, [&] { return to_text(command); });
@@ -87,13 +80,13 @@ void run_decode(const Options& options, Context& context) {
 [[noreturn]] void refuse_unanswered(const LinkSending& sending, const LinkOptions& options) {
   const bool stops =
       link_entry(sending.message.command.firmware, sending.message.command.name).stops;
-  throw AnswerIsNo(fmt::format(
-      "link send: {} did not answer {} within {} s{}; the vehicle may have received it{}",
-      to_string(sending.to), sending.message.command.name, options.timeout_s,
-      sending.message.command.firmware == LinkFirmware::native
-          ? fmt::format(" in {}", internal::counted(options.tries, "try", "tries"))
-          : "",
-      stops ? ", or may still be flying" : ""));
+  throw AnswerIsNo(
+      fmt::format("{} did not answer {} within {} s{}; the vehicle may have received it{}",
+                  to_string(sending.to), sending.message.command.name, options.timeout_s,
+                  sending.message.command.firmware == LinkFirmware::native
+                      ? fmt::format(" in {}", internal::counted(options.tries, "try", "tries"))
+                      : "",
+                  stops ? ", or may still be flying" : ""));
 }
 
 void run_send(CommandLine& line, Options& options, Context& context) {
@@ -101,12 +94,10 @@ void run_send(CommandLine& line, Options& options, Context& context) {
   LinkOptions& link = options.link;
   link.interrupted = interrupted;
   if (options.timeout) link.timeout_s = *options.timeout;
-  const LinkCommand command = command_of(options, kSend);
-  option_of_command(kSend, [&] {
-    sending.message = link_message(command, sequence_of(line, options));
-    sending.to = link_target(options.to, command.firmware);
-    require_valid(link);
-  });
+  const LinkCommand command = command_of(options);
+  sending.message = link_message(command, sequence_of(line, options));
+  sending.to = link_target(options.to, command.firmware);
+  require_valid(link);
   if (!options.dry_run) sending.delivery = send_link(sending.message, sending.to, link);
   context.print([&] { return to_json(sending); }, [&] { return to_text(sending); });
   // A frame may have reached the vehicle, so the result stays printed whatever follows.
@@ -173,14 +164,14 @@ void add_send_options(CommandLine& line, Options& options) {
 }  // namespace
 
 std::vector<Verb> link_verbs() {
-  return {{kEncode, "NAME [VALUE...] --firmware simulink|native",
+  return {{"link encode", "NAME [VALUE...] --firmware simulink|native",
            "show the bytes of a command for the Mambo; nothing is sent",
            "quadtune link encode height -0.3 --firmware simulink",
            with_options(add_encode_options, run_encode)},
-          {kDecode, "HEX... --firmware simulink|native", "explain the bytes of a command",
+          {"link decode", "HEX... --firmware simulink|native", "explain the bytes of a command",
            "quadtune link decode 0e 00 00 00 e2 ff ff ff --firmware simulink",
            with_options(add_decode_options, run_decode)},
-          {kSend, "NAME [VALUE...] --firmware simulink|native --to HOST:PORT",
+          {"link send", "NAME [VALUE...] --firmware simulink|native --to HOST:PORT",
            "send a command to one Mambo, which may start its motors",
            "quadtune link send land --firmware native --to 192.168.99.3:6000 --dry-run",
            with_options(add_send_options, run_send)}};

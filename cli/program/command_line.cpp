@@ -78,7 +78,7 @@ struct CommandLine::Parser {
   }
 
   [[noreturn]] void refuse(const std::string& option, const std::string& message) const {
-    throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
+    throw UsageError(message, option);
   }
 
   /// Adds an option that takes a value.

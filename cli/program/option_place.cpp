@@ -43,23 +43,25 @@ std::string option_for(std::string parameter, const std::string& where, const Co
 
 }  // namespace
 
-std::optional<UsageError> told_by_option(const InvalidInput& error, const std::string& verb,
-                                         const CommandLine& line) {
+std::optional<UsageError> told_by_option(const InvalidInput& error, const CommandLine& line) {
   const std::string& where = error.where();
   const std::string& message = error.message();
   if (const Option* argument = line.find(where); argument != nullptr && argument->is_argument())
-    return UsageError(fmt::format("quadtune {}: {}: {}", verb, where, message), where);
+    return UsageError(fmt::format("{}: {}", where, message), where);
   const std::size_t end = std::min(message.find(' '), message.size());
   const std::string option = option_for(message.substr(0, end), where, line);
   if (!option.empty() && (option == where || names_no_input(where, line)))
-    return UsageError(fmt::format("quadtune {}: {}{}", verb, option, message.substr(end)), option);
+    return UsageError(option + message.substr(end), option);
+  if (where.starts_with("--") || line.find(where) != nullptr) {
+    // "--A '1 2; 3':2" is a row of the matrix of --A; "--num, --den" are two options.
+    const bool several = where.find(", --") != std::string::npos;
+    return UsageError(fmt::format("{}: {}", where, message),
+                      several ? where : where.substr(0, where.find(' ')));
+  }
   if (!names_no_input(where, line)) return {};
-  if (where.starts_with("--"))
-    return UsageError(fmt::format("quadtune {}: {}: {}", verb, where, message), where);
   // Without a vehicle, the matrices or the transfer function are all that was given.
   for (const char* input : {"--A", "--num"})
-    if (line.find(input) != nullptr && line.was_given(input))
-      return UsageError(fmt::format("quadtune {}: {}", verb, message), input);
+    if (line.find(input) != nullptr && line.was_given(input)) return UsageError(message, input);
   return {};
 }
 

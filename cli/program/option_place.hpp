@@ -13,14 +13,12 @@ class InvalidInput;
 
 namespace quadtune::cli {
 
-/// "lqr: R has eigenvalue 0, …" becomes "quadtune lqr: --R has eigenvalue 0, …".
-/// @param verb  name of the command
-/// @param line  its parsed command line
+/// "lqr: R has eigenvalue 0, …" becomes "--R has eigenvalue 0, …".
+/// @param line  the parsed command line
 /// @return  nothing if the place of the error is a file, a vehicle or the value of an option, or
 ///          if neither its message begins with the name of an option that was given, nor the
 ///          command is about matrices or a transfer function
 [[nodiscard]] std::optional<UsageError> told_by_option(const InvalidInput& error,
-                                                       const std::string& verb,
                                                        const CommandLine& line);
 
 }  // namespace quadtune::cli

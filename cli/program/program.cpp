@@ -28,6 +28,7 @@
 #include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
+#include "quadtune/workbench/logs/missing_option.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -52,7 +53,8 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   const bool json = context.json || file.ends_with(".json");  // readers recognize JSON by the file
                                                               // name
   Context into{context.in,      text, context.err,     json,         context.quiet,
-               context.written, file, context.threads, context.seed, context.command};
+               context.written, file, context.threads, context.seed, context.command,
+               context.verb};
   // A negative answer has been printed, so it is written as well.
   const auto write = [&] {
     context.written = into.written;
@@ -83,27 +85,55 @@ void refuse_standard_output(const CommandLine& line, const std::string& verb) {
   for (const std::string& name : output_options(verb)) {
     const Option* const option = line.find(name);
     if (option == nullptr || !option->was_given() || option->values().back() != "-") continue;
-    throw UsageError(
-        fmt::format("quadtune {}: {} is -, expected a file name, because standard output is used "
-                    "for the printed text; write ./- for a file of that name",
-                    verb, name),
-        name);
+    throw UsageError(fmt::format("{} is -, expected a file name, because standard output is used "
+                                 "for the printed text; write ./- for a file of that name",
+                                 name),
+                     name);
   }
 }
 
 /// Standard input can be read only once; a second reader would find it empty.
-void refuse_two_readers(const CommandLine& line, const std::string& verb) {
+void refuse_two_readers(const CommandLine& line) {
   std::string first;
   for (const Option* option : line.options()) {
     if (option->values().size() != 1 || option->values()[0] != "-") continue;
     if (option->name() == "-o") continue;
     if (!first.empty())
-      throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
+      throw UsageError(fmt::format("{} and {} are both '-', expected standard input "
                                    "for one of them, because it can be read only once",
-                                   verb, first, option->name()),
+                                   first, option->name()),
                        option->name());
     first = option->name();
   }
+}
+
+/// The error that a user of the program understands, in place of one that names a parameter of a
+/// library. Throws the current exception if there is none.
+[[noreturn]] void throw_for_user(const Verb& verb, const CommandLine& line) {
+  try {
+    throw;
+  } catch (const FileError& error) {
+    if (!is_missing(error)) throw;
+    throw told_missing(error, line, output_options(verb.name));
+  } catch (const OptionError& error) {
+    refuse("--" + error.option(), "--{}", error.what());
+  } catch (const MissingOption& error) {
+    refuse("--" + error.option(), "{}", error.what());
+  } catch (const InvalidInput& error) {
+    // A control period that is too short for the estimator.
+    const Option* const dt = line.find("--dt");
+    if (dt != nullptr && dt->was_given() && error.where() == "estimator general")
+      refuse("--dt", "--dt: {}", error.what());
+    if (const auto told = told_by_option(error, line)) throw UsageError(*told);
+    throw;
+  }
+}
+
+void run_action(const Action& action, const std::string& file, Context& context) {
+  if (file.empty())
+    action(context);
+  else
+    run_into_file(action, file, context);
 }
 
 void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
@@ -125,26 +155,26 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     run_verb(*find("help"), {verb.name}, context);
     return;
   }
-  line.parse(args);
-  refuse_two_readers(line, verb.name);
-  if (prints && file == "-")
-    file.clear();  // equivalent to no -o
-  else
-    refuse_standard_output(line, verb.name);
-  context.threads = threads;
+  context.verb = verb.name;
   try {
-    if (file.empty())
-      action(context);
+    line.parse(args);
+    refuse_two_readers(line);
+    if (prints && file == "-")
+      file.clear();  // equivalent to no -o
     else
-      run_into_file(action, file, context);
-  } catch (const FileError& error) {
-    if (!is_missing(error)) throw;
-    throw told_missing(error, line, output_options(verb.name));
-  } catch (const OptionError&) {
-    throw;
-  } catch (const InvalidInput& error) {
-    if (const auto told = told_by_option(error, verb.name, line)) throw UsageError(*told);
-    throw;
+      refuse_standard_output(line, verb.name);
+    context.threads = threads;
+    try {
+      run_action(action, file, context);
+    } catch (...) {
+      throw_for_user(verb, line);
+    }
+  } catch (const UsageError& error) {
+    throw UsageError(fmt::format("quadtune {}: {}", verb.name, error.what()), error.where());
+  } catch (const Refusal& error) {
+    throw Refusal(fmt::format("{}: {}", verb.name, error.what()), error.where());
+  } catch (const AnswerIsNo& error) {
+    throw AnswerIsNo(fmt::format("{}: {}", verb.name, error.what()));
   }
 }
 
@@ -231,7 +261,8 @@ void write_file(const std::string& file, const std::string& bytes,
   write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, stop);
 }
 
-void Context::note(const std::string& line) const {
+void Context::note(const std::string& text) const {
+  const std::string line = verb + ": " + text;
   if (quiet || !noted.insert(line).second) return;
   out.flush();
   err << internal::visible_text(line) << "\n";

@@ -40,7 +40,7 @@ enum ExitStatus : int {
   kInterrupted = 130,
 };
 
-/// The command line is invalid.
+/// The command line is invalid. Inside a command, what() does not name the command.
 class UsageError : public std::runtime_error {
  public:
   /// @param where  the option or argument concerned, e.g. "--dt", for scripts.
@@ -53,7 +53,8 @@ class UsageError : public std::runtime_error {
   std::string where_;
 };
 
-/// A verification or a check failed. The failure has been printed already.
+/// A verification or a check failed. The failure has been printed already. Inside a command, what()
+/// does not name the command.
 class AnswerIsNo : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -82,15 +83,17 @@ struct Context {
   std::size_t threads = 0;   ///< number of threads; 0: one for each processor
   std::uint64_t seed = 1;    ///< of all random numbers
   std::string command = {};  ///< the command line, without options that do not affect files
+  std::string verb = {};     ///< name of the command, e.g. "tune lqr"
   bool answered = false;     ///< the JSON object was written to `out`; an error that follows adds
                              ///< no second one
   mutable std::set<std::string> noted = {};
 
-  /// Writes one line that is not an error to the error stream. Does nothing with --quiet, and
-  /// writes each line only once.
-  void note(const std::string& line) const;
-  /// Calls note() for each of `texts`, preceded by `start`, e.g. "fly: note: ".
+  /// Writes one line that is not an error to the error stream, preceded by the name of the command.
+  /// Does nothing with --quiet, and writes each line only once.
+  void note(const std::string& text) const;
+  /// Calls note() for each of `texts`, preceded by `start`, e.g. "note: ".
   void notes(const std::string& start, const std::vector<std::string>& texts) const;
+  void notes(const std::vector<std::string>& texts) const { notes("", texts); }
 
   /// As write_file(), and records that the file is complete.
   void write(const std::string& name, const std::string& bytes,

@@ -24,8 +24,6 @@
 namespace quadtune::cli {
 namespace {
 
-constexpr const char* kVerb = "tune kalman";  ///< name of the command in messages
-
 struct Options {
   std::string model, file, report, method = "ml";
   std::vector<std::string> logs, maps, truths, fixed, starts_at;
@@ -39,43 +37,38 @@ struct Options {
 
 FilterModel model_of(const Options& options) {
   if (options.model.empty())
-    refuse(kVerb, "--model", "--model is missing, expected a filter model's name or file");
+    refuse("--model", "--model is missing, expected a filter model's name or file");
   FilterModel model = load_filter_model(options.model);
   FilterChoice choice{options.fixed, {}, options.gate, options.student};
-  choice.starts =
-      option_of_command(kVerb, [&] { return named_numbers(options.starts_at, "start"); });
+  choice.starts = named_numbers(options.starts_at, "start");
   return chosen_filter(std::move(model), choice);
 }
 
 void require_sane(const Options& options) {
   if (options.method == "als" && options.student != 0)
-    refuse(kVerb, "--student",
+    refuse("--student",
            "--student cannot be combined with --method als, because autocovariances require normal "
            "errors");
   if (!options.report.empty() && !options.report.ends_with(".html"))
-    refuse(kVerb, "--report", "--report is '{}', expected a name that ends in .html",
+    refuse("--report", "--report is '{}', expected a name that ends in .html",
            internal::printable(options.report));
   if (!options.report.empty() && options.report == options.file)
-    refuse(kVerb, "--report", "--report and -o name the same file, expected two files");
-  if (options.logs.empty())
-    refuse(kVerb, "--log", "--log is missing, expected a log of the sensors");
+    refuse("--report", "--report and -o name the same file, expected two files");
+  if (options.logs.empty()) refuse("--log", "--log is missing, expected a log of the sensors");
   if (!(options.holdout >= 0 && options.holdout <= 0.9))
-    refuse(kVerb, "--holdout", "--holdout is {}, expected 0 to 0.9", options.holdout);
+    refuse("--holdout", "--holdout is {}, expected 0 to 0.9", options.holdout);
   for (const std::string& path : options.logs)
     if (path == "-")
-      refuse(kVerb, "--log",
-             "--log is -, expected a file, because it is read twice, once for its hash");
+      refuse("--log", "--log is -, expected a file, because it is read twice, once for its hash");
 }
 
 NoiseLogs read_logs(FilterModel model, const Options& options, const Context& context) {
   NoiseLogOptions logs{options.logs};
-  option_of_command(kVerb,
-                    [&] { logs.channels = named_words(options.maps, "map", "NAME", "CHANNEL"); });
-  logs.reading = log_options(options.log, kVerb);
-  option_of_command(
-      kVerb, [&] { logs.truths = named_words(options.truths, "truth", "STATE", "CHANNEL"); });
-  logs.note = notes_of(kVerb, context);
-  return option_of_command(kVerb, [&] { return read_noise_logs(std::move(model), logs); });
+  logs.channels = named_words(options.maps, "map", "NAME", "CHANNEL");
+  logs.reading = log_options(options.log);
+  logs.truths = named_words(options.truths, "truth", "STATE", "CHANNEL");
+  logs.note = notes_of(context);
+  return read_noise_logs(std::move(model), logs);
 }
 
 TunedNoise tuned(NoiseLogs logs, NoiseMethod method, const Options& options,
@@ -101,7 +94,7 @@ TunedNoise tuned(NoiseLogs logs, NoiseMethod method, const Options& options,
 
 void run_tune_kalman(const Options& options, Context& context) {
   FilterModel model = model_of(options);
-  const NoiseMethod method = option_of_command(kVerb, [&] { return noise_method(options.method); });
+  const NoiseMethod method = noise_method(options.method);
   require_sane(options);
   NoiseLogs logs = read_logs(std::move(model), options, context);
   std::optional<KeepsTheBest> keeps_the_best(std::in_place);
@@ -127,7 +120,7 @@ void run_tune_kalman(const Options& options, Context& context) {
     context.write(options.report, html(page_of(noise, evidence, context.seed, context.command)));
   }
   if (ended) throw Interrupted();
-  if (!passed) throw AnswerIsNo("tune kalman: " + tuning.reasons.front());
+  if (!passed) throw AnswerIsNo(tuning.reasons.front());
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -26,8 +26,6 @@
 namespace quadtune::cli {
 namespace {
 
-constexpr char kVerb[] = "tune lqr";
-
 struct Options {
   LqrArguments problem;
   MissionTuningArguments missions;
@@ -66,10 +64,8 @@ void complete(const CommandLine& line, const GivenGains& given, LqrArguments& pr
 
 /// @param problem  `method` is empty if it was not given
 LqrArguments with_defaults(LqrArguments problem) {
-  problem.verb = kVerb;
   if (problem.plant.at != "hover")
-    refuse(kVerb, "--at",
-           "--at is '{}', expected hover, because missions are flown with gains for hover",
+    refuse("--at", "--at is '{}', expected hover, because missions are flown with gains for hover",
            internal::printable(problem.plant.at));
   if (problem.Q.empty() && problem.R.empty()) problem.plant.inputs = "wrench";
   if (problem.method.empty()) problem.method = "sampled";
@@ -79,32 +75,32 @@ LqrArguments with_defaults(LqrArguments problem) {
 
 void run_missions(const CommandLine& line, Options& options, Context& context) {
   if (options.missions.missions.empty() && options.missions.requirements.empty())
-    refuse(kVerb, "--mission",
+    refuse("--mission",
            "expected --mission NAME or --requirements FILE to tune weights over missions, or "
            "--match-gains FILE to compute the weights of a gain");
   line.refuse_given({"--tie", "--tolerance", "--starts"}, "requires --match-gains");
   const bool standard = options.problem.Q.empty() && options.problem.R.empty();
   if (standard && line.was_given("--inputs") && options.problem.plant.inputs != "wrench")
-    refuse(kVerb, "--inputs",
+    refuse("--inputs",
            "--inputs other than wrench requires --Q or --R, because Bryson's rule gives weights "
            "for the wrench only");
   options.missions.vehicle = options.problem.plant.vehicle;
-  require_sane(kVerb, options.missions);
-  const MissionRequirements requirements = mission_requirements(kVerb, options.missions);
+  require_sane(options.missions);
+  const MissionRequirements requirements = mission_requirements(options.missions);
   if (!line.was_given("--method")) options.problem.method.clear();
   const LqrArguments problem = with_defaults(options.problem);
   LinearVehicle plant = make_plant(problem.plant);
   const LqrDesign design = make_design(problem, plant.model.plant.states, plant.model.plant.inputs);
   if (standard && (problem.plant.convention != "ned" || problem.plant.states != "full"))
-    refuse(kVerb, "--Q",
+    refuse("--Q",
            "--convention and --states require --Q or --R, because Bryson's rule gives weights for "
            "all states in ned only");
   if (design.dt == 0)
-    refuse(kVerb, "--method",
+    refuse("--method",
            "--method is continuous, expected discrete or sampled, because the gains run on a "
            "computer");
-  run_mission_tuning(kVerb, lqr_tuning(std::move(plant), design, standard, options.separate),
-                     requirements, options.missions, context);
+  run_mission_tuning(lqr_tuning(std::move(plant), design, standard, options.separate), requirements,
+                     options.missions, context);
 }
 
 GainMatchOptions match_options(const Options& options, const Context& context) {
@@ -129,7 +125,7 @@ void tell(const GainMatchReport& report, const Options& options, Context& contex
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   if (!matched)
     throw AnswerIsNo(
-        fmt::format("tune lqr: {}: no diagonal weights{} give this gain: the best ones leave a "
+        fmt::format("{}: no diagonal weights{} give this gain: the best ones leave a "
                     "difference of {:.3g} at {}, tolerance {:.3g}",
                     options.gains, options.ties.empty() ? "" : " with these ties", match.after,
                     match.worst, options.tolerance));
@@ -141,32 +137,28 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"},
       "applies to flights and cannot be combined with --match-gains, which flies none");
   if (!(options.tolerance > 0))
-    refuse(kVerb, "--tolerance", "--tolerance is {}, expected a positive number",
-           options.tolerance);
-  require_design_name(options.missions.file, kVerb);
+    refuse("--tolerance", "--tolerance is {}, expected a positive number", options.tolerance);
+  require_design_name(options.missions.file);
   const GivenGains given = read_given_gains(options.gains);
   if (given.gains.memory)
     throw InvalidInput(options.gains,
                        "the law feeds back its past commands, expected a matrix on the states and "
                        "their integrals, because the weights are computed on the ideal plant");
   LqrArguments& problem = options.problem;
-  problem.verb = kVerb;
   complete(line, given, problem);
   const LinearVehicle plant = make_plant(problem.plant);
   const ContinuousLti& lti = plant.model.plant;
   require_states(given.gains, lti.states, convention(problem.plant.convention, "--convention"),
                  options.gains);
   const LqrDesign design = make_design(problem, lti.states, lti.inputs);
-  const auto& [gains, match] = option_of_command(kVerb, [&] {
-    return match_given_gains(given.gains, plant, design, match_options(options, context),
-                             options.gains);
-  });
+  const auto& [gains, match] =
+      match_given_gains(given.gains, plant, design, match_options(options, context), options.gains);
   if (match.status == GainMatchStatus::interrupted) throw Interrupted();
   if (!match.has_weights())
     throw NoSolution(fmt::format("tune lqr: no weights were found that give the gain of {}: {}",
                                  options.gains, match.culprit),
                      options.gains);
-  context.notes("tune lqr: note: ", plant.model.notes);
+  context.notes("note: ", plant.model.notes);
   tell({plant.vehicle, problem.plant.vehicle, flight_condition(problem.plant), options.gains,
         gains.K, gains.K_int, match, options.tolerance},
        options, context);
@@ -174,7 +166,7 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
 
 void run_tune_lqr(const CommandLine& line, Options& options, Context& context) {
   if (options.problem.plant.vehicle.empty())
-    refuse(kVerb, "V", "expected a vehicle, and --mission NAME or --match-gains FILE");
+    refuse("V", "expected a vehicle, and --mission NAME or --match-gains FILE");
   if (options.gains.empty())
     run_missions(line, options, context);
   else
@@ -216,7 +208,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb tune_lqr_verb() {
   return {
-      kVerb,
+      "tune lqr",
       "V (--mission NAME | --requirements FILE) [options]   or   V --match-gains FILE [options]",
       "search LQR weights over missions, or compute the weights that give a gain",
       "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",

@@ -24,13 +24,11 @@ void add_options(CommandLine& line, Options& options) {
 }
 
 void run_tune_pid(Options& options, Context& context) {
-  if (options.tuning.vehicle.empty()) refuse("tune pid", "V", "expected a vehicle");
-  require_sane("tune pid", options.tuning);
-  const MissionRequirements requirements = mission_requirements("tune pid", options.tuning);
-  const MissionTuning tuning = option_of_command("tune pid", [&] {
-    return pid_tuning(options.tuning.vehicle, options.gains, options.separate);
-  });
-  run_mission_tuning("tune pid", tuning, requirements, options.tuning, context);
+  if (options.tuning.vehicle.empty()) refuse("V", "expected a vehicle");
+  require_sane(options.tuning);
+  const MissionRequirements requirements = mission_requirements(options.tuning);
+  const MissionTuning tuning = pid_tuning(options.tuning.vehicle, options.gains, options.separate);
+  run_mission_tuning(tuning, requirements, options.tuning, context);
 }
 
 }  // namespace

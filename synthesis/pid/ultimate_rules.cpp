@@ -75,12 +75,11 @@ PidGains ultimate_rule(const std::string& rule, PidType type, double ultimate_ga
                        double ultimate_period, double N) {
   const char* where = "ultimate_rule";
   if (ultimate_gain == 0 || !std::isfinite(ultimate_gain))
-    throw InvalidInput(where, fmt::format("ultimate gain is {}, expected a finite number other "
-                                          "than 0",
-                                          ultimate_gain));
-  if (!(ultimate_period > 0) || !std::isfinite(ultimate_period))
     throw InvalidInput(
-        where, fmt::format("ultimate period is {} s, expected a positive number", ultimate_period));
+        where, fmt::format("Ku is {}, expected a finite number other than 0", ultimate_gain));
+  if (!(ultimate_period > 0) || !std::isfinite(ultimate_period))
+    throw InvalidInput(where,
+                       fmt::format("Tu is {} s, expected a positive number", ultimate_period));
   if (!(N > 0))
     throw InvalidInput(where, fmt::format("N is {}, expected more than 0 because Tf = Td/N", N));
   std::string types;

@@ -476,12 +476,12 @@ TEST_F(Campaign, NotesWhatFlyWouldNote) {
       replaced(replaced(kCampaign, "\"mambo\"", "\"crazyflie\""), "published", "designed");
   const ProgramResult result = run_program({"campaign", "init", write(text), path("out")});
   EXPECT_EQ(result.status, 0);
-  EXPECT_EQ(
-      result.err,
-      "campaign: note: the file of 'crazyflie' has no [sensors]; assumed: accelerometer 200 Hz "
-      "0.05 m/s2, gyroscope 200 Hz 0.003 rad/s, magnetometer 100 Hz 0.5 uT, barometer 50 Hz "
-      "2.5 Pa, sonar 20 Hz 0.01 m, optical flow 60 Hz 0.02 rad/s, GPS 1 Hz 1 m 0.1 m/s 0.2 s "
-      "late\n");
+  EXPECT_EQ(result.err,
+            "campaign init: note: the file of 'crazyflie' has no [sensors]; assumed: accelerometer "
+            "200 Hz "
+            "0.05 m/s2, gyroscope 200 Hz 0.003 rad/s, magnetometer 100 Hz 0.5 uT, barometer 50 Hz "
+            "2.5 Pa, sonar 20 Hz 0.01 m, optical flow 60 Hz 0.02 rad/s, GPS 1 Hz 1 m 0.1 m/s 0.2 s "
+            "late\n");
 }
 
 TEST_F(Campaign, RefusesBadCommandLines) {
