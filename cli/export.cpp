@@ -6,191 +6,56 @@
 
 #include <filesystem>
 
-#include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
-#include "quadtune/design/export_target.hpp"
-#include "quadtune/design/flight_code_words.hpp"
-#include "quadtune/exports/firmware.hpp"
-#include "quadtune/exports/imu_calibration_file.hpp"
-#include "quadtune/exports/schedule_table.hpp"
-#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/design/design_verdict.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/design/gains_export.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
-#include "quadtune/workbench/design/usual_design.hpp"
+#include "quadtune/workbench/export/source_export.hpp"
 #include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string source, to, directory, vehicle, name, precision, law, adapter, imu_calibration;
-  FirmwareOptions firmware;
-  bool force = false, constants = false;
-
-  [[nodiscard]] bool of_schedule() const { return is_schedule(source); }
-  /// Also of a vehicle, whose default cascade is a design.
-  [[nodiscard]] bool of_design() const {
-    return (source.ends_with(".toml") && !of_schedule()) || names_vehicle(source);
-  }
+  SourceExport request;
+  std::string directory;
 };
 
 void require_complete(const Options& options) {
-  if (options.source.empty())
+  const std::string& source = options.request.source;
+  if (source.empty())
     refuse("SOURCE", "SOURCE is missing, expected an export, gains, a design or a vehicle");
-  if (options.to.empty()) refuse("--to", "--to is missing, expected the format to write");
+  if (options.request.to.empty()) refuse("--to", "--to is missing, expected the format to write");
   if (options.directory.empty()) refuse("-o", "-o is missing, expected the directory to write");
   // An export that replaces its own source would lose what it does not contain.
   std::error_code ignored;
-  if (std::filesystem::equivalent(options.source, options.directory, ignored))
+  if (std::filesystem::equivalent(source, options.directory, ignored))
     refuse("-o", "-o {} is the source itself, expected another directory", options.directory);
 }
 
-/// The reasons for --force in the manifest of an export; empty for other sources.
-std::vector<std::string> forced_of(const std::string& source) {
-  std::error_code ignored;
-  const std::filesystem::path folder = source;
-  if (!std::filesystem::is_regular_file(folder / kManifestName, ignored)) return {};
-  return read_manifest(folder).forced;
-}
-
-/// A gain schedule can only be exported as flight code, and its loops are not analysed.
-void require_schedule_options(const Options& options) {
-  if (options.to != kFlightCodeTarget)
-    throw InvalidInput(options.source,
-                       fmt::format("is a gain schedule, expected --to {}, because no other format "
-                                   "stores one, or the gains of a single law",
-                                   kFlightCodeTarget));
-  const std::pair<const char*, bool> given[] = {{"--law", !options.law.empty()},
-                                                {"--adapter", !options.adapter.empty()},
-                                                {"--force", options.force}};
-  for (const auto& [option, came] : given)
-    if (came)
-      refuse(option, "{} cannot be combined with a gain schedule, because {}", option,
-             options.force ? "there is no reason against its export"
-                           : "the program contains only the schedule");
-}
-
-/// Rejects --vehicle with a source that belongs to another vehicle.
-///
-/// @param own  the vehicle's name; empty: the source does not state it
-void require_vehicle_of_source(const Options& options, const std::string& own) {
-  if (options.vehicle.empty() || own.empty()) return;
-  const std::string given = load_vehicle(options.vehicle).name;
-  if (given != own)
-    throw OptionError("vehicle", fmt::format("vehicle is '{}', expected '{}', the vehicle of {}",
-                                             given, own, internal::printable(options.source)));
-}
-
-ExportContent content_of(const Options& options, const Context& context) {
-  if (options.of_schedule()) return schedule_content(options.source, options.vehicle);
-  if (options.of_design()) {
-    const DesignOutcome outcome = run_design(options.source);
-    require_tuned(outcome, options.force, context);
-    ExportContent content = export_content(outcome);
-    require_vehicle_of_source(options, content.vehicle.name);
-    content.forced = reasons_against_export(outcome);
-    if (!content.forced.empty() && !options.force)
-      throw Refusal(
-          fmt::format("{}: {}; nothing was written; use --force to export it",
-                      internal::printable(options.source), internal::joined(content.forced, "; ")),
-          options.source);
-    return content;
+PreparedExport prepared(const SourceExport& request) {
+  try {
+    return prepare_export(request);
+  } catch (const ExportRefused& error) {
+    throw Refusal(fmt::format("{}; nothing was written{}", error.what(),
+                              error.forcible() ? "; use --force to export it" : ""),
+                  error.where());
   }
-  const std::vector<std::string> forced = forced_of(options.source);
-  if (!forced.empty() && !options.force)
-    throw Refusal(fmt::format("{}: was exported with --force although {}; nothing was "
-                              "written; use --force to export it",
-                              internal::printable(options.source),
-                              internal::printable(internal::joined(forced, "; "))),
-                  options.source);
-  GivenLaws given = read_given_laws(options.source);
-  require_sampled(given.laws, options.source);
-  require_vehicle_of_source(options, given.laws.vehicle);
-  ExportContent content = export_content(std::move(given.laws), options.vehicle, options.source);
-  content.forced = forced;
-  return content;
-}
-
-FlightCodeOptions flight_code_options(const Options& options) {
-  const std::pair<const char*, const std::string*> given[] = {{"--name", &options.name},
-                                                              {"--precision", &options.precision},
-                                                              {"--law", &options.law},
-                                                              {"--adapter", &options.adapter}};
-  for (const auto& [option, value] : given)
-    if (options.to != "c" && !value->empty())
-      refuse(option, "{} applies to --to c only, not to --to {}", option, options.to);
-  if (!options.name.empty()) require_flight_code_name(options.name, "--name");
-  if (!options.law.empty()) require_flight_code_law(options.law, "--law");
-  if (!options.adapter.empty()) require_flight_code_adapter(options.adapter, "--adapter");
-  return {options.name,
-          !options.precision.empty() && is_double_precision(options.precision, "--precision"),
-          options.law, options.adapter};
-}
-
-void require_firmware_options(const Options& options, const ExportKind& kind) {
-  const bool is_firmware = export_target(kind.name(), "--to").is_firmware;
-  if (!is_firmware && options.firmware.filter_noise)
-    refuse("--filter-noise",
-           "--filter-noise applies to the parameters of a firmware only, not to --to {}",
-           options.to);
-  const std::pair<const char*, const std::string*> given[] = {
-      {"--firmware", &options.firmware.version}, {"--setup", &options.firmware.setup}};
-  for (const auto& [option, value] : given)
-    if (!is_firmware && !value->empty())
-      refuse(option, "{} applies to the parameters of a firmware only, not to --to {}", option,
-             options.to);
-  if (!is_firmware) return;
-  const FirmwareKind target = firmware_kind(kind.name(), "--to");
-  (void)firmware_of_options(target, options.firmware);
 }
 
 void run_export(const Options& options, Context& context) {
   require_complete(options);
-  const ExportKind kind = export_kind(options.to, "--to");
-  const FlightCodeOptions flight_code = flight_code_options(options);
-  require_firmware_options(options, kind);
-  if (!options.imu_calibration.empty() && options.to != "uquad")
-    refuse("--imu-calibration", "--imu-calibration applies to --to uquad only, not to --to {}",
-           options.to);
-  if (options.constants && options.to != "uquad")
-    refuse("--constants", "--constants applies to --to uquad only, not to --to {}", options.to);
-  if (options.of_schedule()) require_schedule_options(options);
-  ExportContent content = content_of(options, context);
-  content.flight_code = flight_code;
-  content.firmware = options.firmware;
-  content.uquad_constants = options.constants;
-  if (!options.imu_calibration.empty())
-    content.imu_calibration = read_imu_calibration(options.imu_calibration);
-  context.notes("note: ", adapt_to_program(content, kind));
-  // Gains whose loop is unstable are not written.
-  if (const std::string problem = unstable_loop(content);
-      !problem.empty() && !(options.of_design() && options.force))
-    throw Refusal(fmt::format("{}; nothing was written", problem), content.vehicle.name);
-  if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
-    if (!options.force)
-      throw Refusal(fmt::format("{}: {}; nothing was written; use gains of `quadtune pid V "
-                                "--for {}`, or --force to export these",
-                                internal::printable(options.source), weak, options.to),
-                    options.source);
-    content.forced.push_back(weak);
-  }
-  if (content.forced.empty() && options.force && !options.of_design())
-    refuse("--force", "--force is not needed: there is no reason against the export of {}",
-           internal::printable(options.source));
-  if (!options.of_design() && !options.of_schedule())
+  const PreparedExport prepared = cli::prepared(options.request);
+  context.notes("warning: ", prepared.warnings);
+  context.notes("note: ", prepared.notes);
+  if (prepared.of_files)
     context.note(
         "note: only what the source holds is exported: gains, trim, cascade, estimator and "
         "vehicle; weights and Kalman filters are exported from a design file");
   std::vector<ManifestFile> files;
   {
     const WritingFiles writing;
-    files = write_export(options.directory, kind, content, interrupted);
+    files = write_export(options.directory, prepared.kind, prepared.content, interrupted);
     context.written.push_back(options.directory);
   }
   context.print(
@@ -202,42 +67,42 @@ void run_export(const Options& options, Context& context) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option(
-      "SOURCE", options.source,
+      "SOURCE", options.request.source,
       "an export's directory, a gain file, a design file, a vehicle (its default cascade) "
       "or, with --to c, a gain schedule");
-  line.add_option("--to NAME", options.to,
+  line.add_option("--to NAME", options.request.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option(
-      "--vehicle V", options.vehicle,
+      "--vehicle V", options.request.vehicle,
       "the vehicle, if the one that the gains name is neither built in nor, if SOURCE is "
       "an export, found near it or in the working folder");
-  line.add_option("--name NAME", options.name,
+  line.add_option("--name NAME", options.request.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");
-  line.add_option("--precision WORD", options.precision,
+  line.add_option("--precision WORD", options.request.precision,
                   "precision of the C program: float or double");
-  line.add_option("--law LAW", options.law,
+  line.add_option("--law LAW", options.request.law,
                   "law of the C program, if the design has two: cascaded-pid or state-feedback");
-  line.add_option("--adapter BOARD", options.adapter,
+  line.add_option("--adapter BOARD", options.request.adapter,
                   "files that connect the C program to a board: main, mambo, crazyflie or px4");
-  line.add_option("--imu-calibration FILE", options.imu_calibration,
+  line.add_option("--imu-calibration FILE", options.request.imu_calibration,
                   "calibration of the uquad's sensors to export with the gains, as `quadtune "
                   "calibrate imu -o` writes it");
-  line.add_flag("--constants", options.constants,
+  line.add_flag("--constants", options.request.constants,
                 "for uquad: write a C header of the vehicle's constants as well");
   line.add_flag(
-      "--force", options.force,
+      "--force", options.request.force,
       "export even if the loop of a design is unstable, the logs did not confirm the covariances, "
       "the margins on a firmware are too small or SOURCE was forced; the manifest records the "
       "reason");
-  line.add_option("--firmware VERSION", options.firmware.version,
+  line.add_option("--firmware VERSION", options.request.firmware.version,
                   "version of the firmware, e.g. 1.15 of px4; default: px4 1.16, ardupilot 4.6, "
                   "betaflight 2026.6, crazyflie 2026.08");
   line.add_flag(
-      "--filter-noise", options.firmware.filter_noise,
+      "--filter-noise", options.request.firmware.filter_noise,
       "for a firmware: write the noise of its estimator as well, from the design's filter");
-  line.add_option("--setup NAME", options.firmware.setup,
+  line.add_option("--setup NAME", options.request.firmware.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
 }
 

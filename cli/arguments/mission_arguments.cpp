@@ -50,9 +50,9 @@ void require_design_name(const std::string& file) {
 }
 
 void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments) {
-  line.add_list("--mission NAME", arguments.missions,
+  line.add_list("--mission NAME", arguments.words.missions,
                 "built-in mission or mission file to fly; repeat the option for several");
-  line.add_option("--requirements FILE", arguments.requirements,
+  line.add_option("--requirements FILE", arguments.words.requirements,
                   "file of cost, limits and uncertain parameters (docs/formats.md)");
   line.add_number("--budget S", arguments.budget, "maximum time of the search [s]; default 60");
   line.add_count("--evaluations N", arguments.evaluations, 1,
@@ -63,12 +63,12 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
   line.add_count("--proof N", arguments.proof, 2,
                  "fresh draws on which the start and the result are compared; default 24, or as "
                  "many as a quantile needs");
-  line.add_option("--measure NAME", arguments.measure,
+  line.add_option("--measure NAME", arguments.words.measure,
                   "measure over the draws: mean (default), quantile or worst");
-  line.add_option("--estimator NAME", arguments.estimator, "as for `quadtune fly`");
-  line.add_option("--sensors KIND", arguments.sensors, "ideal, or real (default)");
-  line.add_option("--wind WIND", arguments.wind, "as for `quadtune fly`");
-  line.add_positive("--duration S", arguments.duration,
+  line.add_option("--estimator NAME", arguments.words.estimator, "as for `quadtune fly`");
+  line.add_option("--sensors KIND", arguments.words.sensors, "ideal, or real (default)");
+  line.add_option("--wind WIND", arguments.words.wind, "as for `quadtune fly`");
+  line.add_positive("--duration S", arguments.words.duration,
                     "duration of each flight [s]; default: that of the mission");
   line.add_option("-o FILE", arguments.file, "design file to write the result to");
   line.add_flag("--force", arguments.force,
@@ -77,11 +77,7 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
 }
 
 void require_sane(const MissionTuningArguments& arguments) {
-  FlightOptions flight;
-  flight.estimator = arguments.estimator;
-  flight.sensors = arguments.sensors;
-  if (!arguments.wind.empty()) flight.wind = arguments.wind;
-  require_flight_words(flight);
+  require_flight_words(arguments.words);
   if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
   if (!(arguments.budget > 0) || arguments.budget > 1e6)
     refuse("--budget", "--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget);
@@ -94,39 +90,6 @@ void require_sane(const MissionTuningArguments& arguments) {
   if (!arguments.report.ends_with(".html"))
     refuse("--report", "--report is '{}', expected a name that ends in .html",
            internal::printable(arguments.report));
-}
-
-MissionRequirements mission_requirements(const MissionTuningArguments& arguments) {
-  MissionRequirements requirements;
-  if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
-  if (!arguments.missions.empty() && !requirements.missions.empty())
-    refuse("--mission",
-           "--mission cannot be combined with requirements that have [[mission]]; expected one of "
-           "them");
-  // These options would be ignored, so they are rejected.
-  for (const auto& [option, came] : {std::pair("--estimator", !arguments.estimator.empty()),
-                                     std::pair("--sensors", !arguments.sensors.empty()),
-                                     std::pair("--wind", !arguments.wind.empty()),
-                                     std::pair("--duration", arguments.duration.has_value())})
-    if (came && !requirements.missions.empty())
-      refuse(option, "{} cannot be combined with requirements that have [[mission]]; set it there",
-             option);
-  for (const std::string& name : arguments.missions) {
-    CampaignMission mission;
-    mission.mission = load_mission(name);
-    mission.where = "--mission";
-    mission.arguments.estimator = arguments.estimator;
-    mission.arguments.sensors = arguments.sensors;
-    if (!arguments.wind.empty()) mission.arguments.wind = arguments.wind;
-    mission.arguments.duration = arguments.duration;
-    requirements.limits.push_back(mission.mission.limits);
-    requirements.missions.push_back(std::move(mission));
-  }
-  if (requirements.missions.empty())
-    refuse("--mission", "expected --mission NAME, or --requirements FILE with [[mission]]");
-  if (!arguments.measure.empty())
-    requirements.measure = robust_measure(arguments.measure, "--measure");
-  return requirements;
 }
 
 void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,

@@ -19,12 +19,9 @@ struct Context;
 
 struct MissionTuningArguments {
   std::string vehicle;  ///< name or file
-  std::vector<std::string> missions;
-  std::string requirements, estimator, sensors, wind;  ///< empty if not given
-  std::optional<double> duration;
+  MissionWords words;
   double budget = 60;                                        ///< [s]
   std::uint64_t evaluations = 100000, draws = 0, proof = 0;  ///< 0: not given
-  std::string measure;
   std::string file, report;
   bool force = false;
 };
@@ -36,9 +33,6 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
 /// Validates the options before anything is designed.
 /// @throws UsageError
 void require_sane(const MissionTuningArguments& arguments);
-/// The requirements that --mission, --requirements and the options of the flights describe.
-/// @throws UsageError, InvalidInput, FileError
-[[nodiscard]] MissionRequirements mission_requirements(const MissionTuningArguments& arguments);
 
 /// Requires that the name of a design file ends in .toml, by which it is recognized later, or is a
 /// device.

@@ -74,19 +74,21 @@ LqrArguments with_defaults(LqrArguments problem) {
 }
 
 void run_missions(const CommandLine& line, Options& options, Context& context) {
-  if (options.missions.missions.empty() && options.missions.requirements.empty())
+  if (options.missions.words.missions.empty() && options.missions.words.requirements.empty())
     refuse("--mission",
            "expected --mission NAME or --requirements FILE to tune weights over missions, or "
            "--match-gains FILE to compute the weights of a gain");
   line.refuse_given({"--tie", "--tolerance", "--starts"}, "requires --match-gains");
   const bool standard = options.problem.Q.empty() && options.problem.R.empty();
+  (void)input_kind(options.problem.plant.inputs, "--inputs");
   if (standard && line.was_given("--inputs") && options.problem.plant.inputs != "wrench")
     refuse("--inputs",
-           "--inputs other than wrench requires --Q or --R, because Bryson's rule gives weights "
-           "for the wrench only");
+           "--inputs {} requires --Q or --R, because Bryson's rule gives weights for the wrench "
+           "only",
+           options.problem.plant.inputs);
   options.missions.vehicle = options.problem.plant.vehicle;
   require_sane(options.missions);
-  const MissionRequirements requirements = mission_requirements(options.missions);
+  const MissionRequirements requirements = mission_requirements(options.missions.words);
   if (!line.was_given("--method")) options.problem.method.clear();
   const LqrArguments problem = with_defaults(options.problem);
   LinearVehicle plant = make_plant(problem.plant);
@@ -136,8 +138,9 @@ void run_match(const CommandLine& line, Options& options, Context& context) {
       {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"},
       "applies to flights and cannot be combined with --match-gains, which flies none");
-  if (!(options.tolerance > 0))
-    refuse("--tolerance", "--tolerance is {}, expected a positive number", options.tolerance);
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    refuse("--tolerance", "--tolerance is {}, expected more than 0 and less than 1: 0.05 is 5 %",
+           options.tolerance);
   require_design_name(options.missions.file);
   const GivenGains given = read_given_gains(options.gains);
   if (given.gains.memory)

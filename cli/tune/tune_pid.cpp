@@ -26,7 +26,7 @@ void add_options(CommandLine& line, Options& options) {
 void run_tune_pid(Options& options, Context& context) {
   if (options.tuning.vehicle.empty()) refuse("V", "expected a vehicle");
   require_sane(options.tuning);
-  const MissionRequirements requirements = mission_requirements(options.tuning);
+  const MissionRequirements requirements = mission_requirements(options.tuning.words);
   const MissionTuning tuning = pid_tuning(options.tuning.vehicle, options.gains, options.separate);
   run_mission_tuning(tuning, requirements, options.tuning, context);
 }

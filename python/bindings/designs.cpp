@@ -6,20 +6,13 @@
 #include <filesystem>
 
 #include "flights.hpp"
-#include "quadtune/design/export_target.hpp"
-#include "quadtune/design/flight_code_words.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
-#include "quadtune/exports/firmware.hpp"
-#include "quadtune/exports/imu_calibration_file.hpp"
-#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/design/gains_export.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/design/usual_design.hpp"
+#include "quadtune/workbench/export/source_export.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
 #include "report/flights/flights.hpp"
 #include "report/gains/gains.hpp"
@@ -191,119 +184,20 @@ void add_design(py::module_& module) {
 
 // --- export ---
 
-struct ExportArguments {
-  std::string source, to, directory, vehicle;
-  FlightCodeOptions flight_code;
-  std::string precision, imu_calibration;
-  FirmwareOptions firmware;
-  bool constants = false, force = false;
-
-  [[nodiscard]] bool of_schedule() const { return is_schedule(source); }
-  /// Also of a vehicle, whose default cascade is a design.
-  [[nodiscard]] bool of_design() const {
-    return (source.ends_with(".toml") && !of_schedule()) || names_vehicle(source);
-  }
-};
-
-void require_target(ExportArguments& given, const ExportKind& kind) {
-  const std::pair<const char*, bool> of_c[] = {{"name", !given.flight_code.name.empty()},
-                                               {"precision", !given.precision.empty()},
-                                               {"law", !given.flight_code.law.empty()},
-                                               {"adapter", !given.flight_code.adapter.empty()}};
-  for (const auto& [name, came] : of_c)
-    if (came && given.to != "c")
-      throw OptionError(
-          name, fmt::format("{} is for to='c', expected none with to='{}'", name, given.to));
-  FlightCodeOptions& code = given.flight_code;
-  if (!code.name.empty()) require_flight_code_name(code.name, "name");
-  if (!code.law.empty()) require_flight_code_law(code.law, "law");
-  if (!code.adapter.empty()) require_flight_code_adapter(code.adapter, "adapter");
-  if (!given.precision.empty())
-    code.double_precision = is_double_precision(given.precision, "precision");
-  const bool is_firmware = export_target(kind.name(), "to").is_firmware;
-  const std::pair<const char*, bool> of_firmware[] = {
-      {"firmware", !given.firmware.version.empty()},
-      {"setup", !given.firmware.setup.empty()},
-      {"filter_noise", given.firmware.filter_noise}};
-  for (const auto& [name, came] : of_firmware)
-    if (came && !is_firmware)
-      throw OptionError(
-          name, fmt::format("{} is for the parameters of a firmware, expected none with to='{}'",
-                            name, given.to));
-  if (is_firmware) (void)firmware_of_options(firmware_kind(kind.name(), "to"), given.firmware);
-  const std::pair<const char*, bool> of_uquad[] = {
-      {"imu_calibration", !given.imu_calibration.empty()}, {"constants", given.constants}};
-  for (const auto& [name, came] : of_uquad)
-    if (came && given.to != "uquad")
-      throw OptionError(
-          name, fmt::format("{} is for to='uquad', expected none with to='{}'", name, given.to));
-}
-
-/// What the manifest of an export says of its design; nothing of other sources.
-std::vector<std::string> forced_of(const std::string& source) {
+ExportResult write_source(const SourceExport& request, const std::string& directory) {
   std::error_code ignored;
-  const fs::path folder = source;
-  if (!fs::is_regular_file(folder / kManifestName, ignored)) return {};
-  return read_manifest(folder).forced;
-}
-
-[[noreturn]] void refuse_export(const ExportArguments& given,
-                                const std::vector<std::string>& reasons) {
-  throw InvalidInput(given.source, fmt::format("{}, nothing was written; force=True writes all the "
-                                               "same",
-                                               internal::joined(reasons, "; ")));
-}
-
-ExportContent content_of(const ExportArguments& given) {
-  if (given.of_schedule()) {
-    if (given.to != kFlightCodeTarget)
-      throw InvalidInput(given.source,
-                         fmt::format("is a gain schedule, expected to='{}' because no "
-                                     "other export holds one",
-                                     kFlightCodeTarget));
-    return schedule_content(given.source, given.vehicle);
-  }
-  if (given.of_design()) {
-    const DesignOutcome outcome = run_design(fs::path(given.source));
-    require_tuned(outcome, given.force);
-    ExportContent content = export_content(outcome);
-    content.forced = reasons_against_export(outcome);
-    if (!content.forced.empty() && !given.force) refuse_export(given, content.forced);
-    return content;
-  }
-  const std::vector<std::string> forced = forced_of(given.source);
-  if (!forced.empty() && !given.force) refuse_export(given, forced);
-  GivenLaws laws = read_given_laws(given.source);
-  require_sampled(laws.laws, given.source);
-  ExportContent content = export_content(std::move(laws.laws), given.vehicle, given.source);
-  content.forced = forced;
-  return content;
-}
-
-ExportResult write_source(ExportArguments given) {
-  std::error_code ignored;
-  if (fs::equivalent(given.source, given.directory, ignored))
+  if (fs::equivalent(request.source, directory, ignored))
     throw OptionError("directory", "directory is the source itself, expected another one");
-  const ExportKind kind = export_kind(given.to, "to");
-  require_target(given, kind);
   return long_call([&](const Stop& stop) {
-    ExportContent content = content_of(given);
-    content.flight_code = given.flight_code;
-    content.firmware = given.firmware;
-    content.uquad_constants = given.constants;
-    if (!given.imu_calibration.empty())
-      content.imu_calibration = read_imu_calibration(given.imu_calibration);
-    ExportResult result{given.directory, {}, adapt_to_program(content, kind)};
-    // Gains that do not hold the vehicle are not written.
-    if (const std::string problem = unstable_loop(content);
-        !problem.empty() && !(given.of_design() && given.force))
-      throw InvalidInput(given.source, problem + ", nothing was written");
-    if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
-      if (!given.force) refuse_export(given, {weak});
-      content.forced.push_back(weak);
+    try {
+      PreparedExport prepared = prepare_export(request);
+      return ExportResult{directory, write_export(directory, prepared.kind, prepared.content, stop),
+                          std::move(prepared.notes)};
+    } catch (const ExportRefused& error) {
+      throw InvalidInput(error.where(),
+                         fmt::format("{}, nothing was written{}", error.what(),
+                                     error.forcible() ? "; force=True writes all the same" : ""));
     }
-    result.files = write_export(given.directory, kind, content, stop);
-    return result;
   });
 }
 
@@ -326,18 +220,19 @@ void add_export(py::module_& module) {
          const std::optional<Path>& imu_calibration, bool constants,
          const std::string& firmware_version, const std::string& setup, bool filter_noise,
          bool force) {
-        ExportArguments given;
-        given.source = source.text;
-        given.to = to;
-        given.directory = directory.text;
-        if (vehicle) given.vehicle = vehicle->text;
-        given.flight_code = {name, false, law, adapter};
-        given.precision = precision;
-        if (imu_calibration) given.imu_calibration = imu_calibration->text;
-        given.constants = constants;
-        given.firmware = {firmware_version, setup, filter_noise};
-        given.force = force;
-        return write_source(std::move(given));
+        SourceExport request;
+        request.source = source.text;
+        request.to = to;
+        if (vehicle) request.vehicle = vehicle->text;
+        request.name = name;
+        request.precision = precision;
+        request.law = law;
+        request.adapter = adapter;
+        if (imu_calibration) request.imu_calibration = imu_calibration->text;
+        request.constants = constants;
+        request.firmware = {firmware_version, setup, filter_noise};
+        request.force = force;
+        return write_source(request, directory.text);
       },
       "source"_a, "to"_a, "directory"_a, py::kw_only(), "vehicle"_a = py::none(), "name"_a = "",
       "precision"_a = "", "law"_a = "", "adapter"_a = "", "imu_calibration"_a = py::none(),

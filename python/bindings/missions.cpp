@@ -24,44 +24,21 @@ namespace {
 namespace py = pybind11;
 using namespace py::literals;
 
-/// What tune_pid and tune_lqr share.
-struct MissionArguments {
-  std::vector<Path> missions;
-  std::optional<Path> requirements;
-  std::string measure, estimator, sensors, wind;
-  std::optional<double> duration;
+struct FlightWords {
+  const std::string &measure, &estimator, &sensors, &wind;
 };
 
-MissionRequirements requirements_of(const MissionArguments& given) {
-  MissionRequirements requirements;
-  if (given.requirements) requirements = read_requirements(given.requirements->text);
-  const bool of_file = !requirements.missions.empty();
-  const std::pair<const char*, bool> came[] = {{"missions", !given.missions.empty()},
-                                               {"estimator", !given.estimator.empty()},
-                                               {"sensors", !given.sensors.empty()},
-                                               {"wind", !given.wind.empty()},
-                                               {"duration", given.duration.has_value()}};
-  for (const auto& [name, is_there] : came)
-    if (is_there && of_file)
-      throw OptionError(name,
-                        fmt::format("{} came with requirements that have [[mission]], expected "
-                                    "it there",
-                                    name));
-  for (const Path& name : given.missions) {
-    CampaignMission mission;
-    mission.mission = load_mission(name.text);
-    mission.where = "missions";
-    mission.arguments.estimator = given.estimator;
-    mission.arguments.sensors = given.sensors;
-    if (!given.wind.empty()) mission.arguments.wind = given.wind;
-    mission.arguments.duration = given.duration;
-    requirements.limits.push_back(mission.mission.limits);
-    requirements.missions.push_back(std::move(mission));
-  }
-  if (requirements.missions.empty())
-    throw OptionError("missions", "expected missions, or requirements with [[mission]]");
-  if (!given.measure.empty()) requirements.measure = robust_measure(given.measure, "measure");
-  return requirements;
+MissionWords words_of(const std::vector<Path>& missions, const std::optional<Path>& requirements,
+                      const FlightWords& flights, const std::optional<double>& duration) {
+  MissionWords words;
+  for (const Path& mission : missions) words.missions.push_back(mission.text);
+  if (requirements) words.requirements = requirements->text;
+  words.measure = flights.measure;
+  words.estimator = flights.estimator;
+  words.sensors = flights.sensors;
+  words.wind = flights.wind;
+  words.duration = duration;
+  return words;
 }
 
 MissionTuningOptions options_of(double budget, std::uint64_t evaluations, std::uint32_t draws,
@@ -77,16 +54,22 @@ MissionTuningOptions options_of(double budget, std::uint64_t evaluations, std::u
 }
 
 /// @throws InvalidInput  before anything is designed
-void require_sane(const MissionArguments& given, const MissionTuningOptions& options) {
-  FlightOptions flight;
-  flight.estimator = given.estimator;
-  flight.sensors = given.sensors;
-  if (!given.wind.empty()) flight.wind = given.wind;
-  require_flight_words(flight);
+void require_sane(const MissionWords& words, const MissionTuningOptions& options) {
+  require_flight_words(words);
   require_positive(options.seconds, "budget", "seconds");
-  if (given.duration) require_positive(*given.duration, "duration", "seconds");
+  if (words.duration) require_positive(*words.duration, "duration", "seconds");
   if (options.evaluations < 1)
     throw OptionError("evaluations", "evaluations is 0, expected at least 1");
+}
+
+/// The library calls a mission what its option is called on a command line.
+MissionRequirements requirements_of(const MissionWords& words) {
+  try {
+    return mission_requirements(words);
+  } catch (const OptionError& error) {
+    if (error.option() != "mission") throw;
+    throw OptionError("missions", "missions" + std::string(error.what()).substr(7));
+  }
 }
 
 MissionTuningResult search(const MissionTuning& tuning, const MissionRequirements& requirements,
@@ -99,11 +82,11 @@ MissionTuningResult search(const MissionTuning& tuning, const MissionRequirement
 // --- tune_pid ---
 
 MissionTuningResult tune_cascade(const VehicleWord& vehicle, const std::string& gains,
-                                 bool separate, const MissionArguments& given,
+                                 bool separate, const MissionWords& words,
                                  const MissionTuningOptions& options) {
-  require_sane(given, options);
+  require_sane(words, options);
   return long_call([&](const Stop& stop) {
-    const MissionRequirements requirements = requirements_of(given);
+    const MissionRequirements requirements = requirements_of(words);
     return search(pid_tuning(vehicle.text, gains, separate), requirements, options, stop,
                   "tune_pid");
   });
@@ -178,10 +161,10 @@ void add_pid_tuning(py::module_& module) {
          std::uint32_t draws, std::uint32_t proof, std::string measure, std::string estimator,
          std::string sensors, std::string wind, std::optional<double> duration, std::uint64_t seed,
          std::size_t threads) {
-        return tune_cascade(vehicle, gains, separate,
-                            {std::move(missions), std::move(requirements), std::move(measure),
-                             std::move(estimator), std::move(sensors), std::move(wind), duration},
-                            options_of(budget, evaluations, draws, proof, seed, threads));
+        return tune_cascade(
+            vehicle, gains, separate,
+            words_of(missions, requirements, {measure, estimator, sensors, wind}, duration),
+            options_of(budget, evaluations, draws, proof, seed, threads));
       },
       "vehicle"_a, "missions"_a = std::vector<std::string>(), py::kw_only(),
       "requirements"_a = py::none(), "gains"_a = "designed", "separate"_a = false,
@@ -221,9 +204,9 @@ struct StartArguments {
   [[nodiscard]] bool standard() const { return !lqr.Q && !lqr.R; }
 };
 
-TunedLqr tune_weights(const StartArguments& start, const MissionArguments& given,
+TunedLqr tune_weights(const StartArguments& start, const MissionWords& words,
                       const MissionTuningOptions& options) {
-  require_sane(given, options);
+  require_sane(words, options);
   if (start.standard() && (start.plant.convention != "ned" || start.plant.states != "full"))
     throw OptionError("Q",
                       "convention and states require Q and R, because Bryson's rule gives "
@@ -233,7 +216,7 @@ TunedLqr tune_weights(const StartArguments& start, const MissionArguments& given
                       "method is continuous, expected discrete or sampled, because the gains run "
                       "on a computer");
   return long_call([&](const Stop& stop) -> TunedLqr {
-    const MissionRequirements requirements = requirements_of(given);
+    const MissionRequirements requirements = requirements_of(words);
     LinearVehicle plant = make_plant(start.plant);
     const ContinuousLti& model = plant.model.plant;
     const LqrDesign design = lqr_design(start.lqr, start.plant, model.states, model.inputs);
@@ -288,10 +271,9 @@ void add_lqr_tuning(py::module_& module) {
                             "inputs other than wrench require Q and R, because Bryson's rule gives "
                             "weights for the wrench only");
         start.plant.inputs = inputs.value_or(start.standard() ? "wrench" : start.plant.inputs);
-        return tune_weights(start,
-                            {std::move(missions), std::move(requirements), std::move(measure),
-                             std::move(estimator), std::move(sensors), std::move(wind), duration},
-                            options_of(budget, evaluations, draws, proof, seed, threads));
+        return tune_weights(
+            start, words_of(missions, requirements, {measure, estimator, sensors, wind}, duration),
+            options_of(budget, evaluations, draws, proof, seed, threads));
       },
       "vehicle"_a, "missions"_a = std::vector<std::string>(), py::kw_only(),
       "requirements"_a = py::none(), "Q"_a = py::none(), "R"_a = py::none(),

@@ -11,7 +11,7 @@
 #include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 #include "same_bits.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"

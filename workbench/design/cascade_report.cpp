@@ -68,9 +68,10 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
     const CascadeAxisDesign& failed = report.cascade.failed();
     const bool held = std::isfinite(failed.bounds.rate_noise_max);
     throw NoSolution(
-        fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
-                    to_string(failed.design.status), failed.design.culprit,
-                    held ? "; bounds that no option sets follow from the published gains" : ""),
+        fmt::format(
+            "{}: pid: {}: {}: {}{}", where, to_string(failed.axis), to_string(failed.design.status),
+            failed.design.culprit,
+            held ? "; bounds without an option of their own follow from the published gains" : ""),
         where);
   }
   add_margins(report);

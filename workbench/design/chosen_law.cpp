@@ -38,7 +38,8 @@ ChosenLaw published_cascade(const Vehicle& vehicle) {
 /// The cascade of the loop-by-loop rules.
 ChosenLaw cascade_by_loops(const Vehicle& vehicle, const std::string& words) {
   ChosenLaw law;
-  const CascadeReport report = design_cascade(vehicle, usual_specification(vehicle), vehicle.name);
+  const CascadeReport report =
+      design_cascade(vehicle, usual_specification(vehicle), place_of(vehicle));
   law.margins = report.margins;
   law.position_bandwidth = position_bandwidth(report);
   CascadeController controller{report.cascade.gains};
@@ -66,7 +67,7 @@ MarginsReport margins_of(const FlownGains& gains, double dt) {
 ChosenLaw designed_cascade(const FlightOptions& flight, const Vehicle& vehicle) {
   const std::string named = flight.vehicle.empty() ? vehicle.name : flight.vehicle;
   const std::string words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", named);
-  (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
+  (void)cascade_vehicle(vehicle, place_of(vehicle));  // throws if it cannot hover
   if (!usually_on_flown_plant(vehicle)) return cascade_by_loops(vehicle, words);
   FlownGainsOptions options;
   options.dt = usual_specification(vehicle).dt;

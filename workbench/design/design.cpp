@@ -190,7 +190,7 @@ std::vector<Firmware> firmwares_of(const Design& design) {
 /// @return  whether the gains are for the flown plant; else the cascade has a specification
 bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade,
                      const std::vector<Firmware>& firmwares) {
-  (void)cascade_vehicle(vehicle, vehicle.name);  // throws if it cannot hover
+  (void)cascade_vehicle(vehicle, place_of(vehicle));  // throws if it cannot hover
   CascadeController flown;
   if (auto gains = gains_on_flown_plant(vehicle, cascade, firmwares)) {
     cascade.gains = std::move(*gains);
@@ -213,7 +213,7 @@ bool design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade,
 }  // namespace
 
 LqrDesign usual_lqr(const Vehicle& vehicle, double dt) {
-  const LqrWeights weights = standard_weights(cascade_vehicle(vehicle, vehicle.name));
+  const LqrWeights weights = standard_weights(cascade_vehicle(vehicle, place_of(vehicle)));
   LqrDesign lqr;
   lqr.input_kind = InputKind::wrench;
   for (const Signal& state : ned_convention().states) lqr.states.push_back(state.name);

@@ -95,9 +95,9 @@ Gains describe(const Gains& gains, const Vehicle& vehicle, const MatrixConventio
   LinearizeOptions options;
   options.convention = words.convention;
   options.inputs = InputKind::wrench;
-  const Linearization wrench = linearize_or_refuse(vehicle, {}, options, vehicle.name);
+  const Linearization wrench = linearize_or_refuse(vehicle, {}, options, place_of(vehicle));
   options.inputs = words.input_kind;
-  const Linearization inputs = linearize_or_refuse(vehicle, {}, options, vehicle.name);
+  const Linearization inputs = linearize_or_refuse(vehicle, {}, options, place_of(vehicle));
   // B_inputs δu = B_wrench δw for every δu, hence δw = M δu; the inverse gives the minimum-norm δu.
   const MatrixXd M = wrench.plant.B.completeOrthogonalDecomposition().solve(inputs.plant.B);
   const MatrixXd back = M.completeOrthogonalDecomposition().pseudoInverse();

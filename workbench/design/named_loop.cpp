@@ -98,8 +98,13 @@ NamedLoop vehicle_loop(const FlightOptions& options, double delay) {
                        "flown loop is sampled");
   require_delay(delay, gains.dt);
   const VerifyModel model = model_of(vehicle, gains);
-  return {OpenLoop(delayed(open_loop(model.plant, gains), delay)),
-          names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", kStateFeedback};
+  try {
+    return {OpenLoop(delayed(open_loop(model.plant, gains), delay)),
+            names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", kStateFeedback};
+  } catch (const InvalidInput& error) {
+    if (error.where() != "open_loop") throw;
+    throw InvalidInput(options.gains, error.message());  // the gains do not fit the vehicle
+  }
 }
 
 FlownLoop flown_vehicle_loop(FlightOptions flight, const std::string& controller,

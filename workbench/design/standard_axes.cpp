@@ -36,7 +36,7 @@ AxisWeights axis_weights(const CascadeVehicle& hover, const Vehicle& vehicle, Fl
 }  // namespace
 
 StandardAxes standard_axes(const Vehicle& vehicle) {
-  const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle.name);
+  const CascadeVehicle hover = cascade_vehicle(vehicle, place_of(vehicle));
   StandardAxes axes;
   for (std::size_t i = 0; i < axes.size(); ++i)
     axes[i] = axis_weights(hover, vehicle, kFlownAxes[i]);

@@ -48,16 +48,13 @@ const std::string& checked_export(const std::string& name, const std::vector<std
   return name;
 }
 
-/// The line of the lead of the rate, half the motor lag, for a vehicle with slow motors: without
-/// it, their lag limits how fast and how well damped the tilt loops are. A firmware has a lead of
-/// its own, or none.
+/// The line of the lead of the rate for a vehicle with slow motors. A firmware has a lead of its own,
+/// or none.
 std::string lead_of(const Vehicle& vehicle, const std::vector<std::string>& to) {
-  constexpr double kSlowMotors = 0.02;  // [s], four periods: a shorter lead is lost in sampling
   const bool for_firmware = std::any_of(to.begin(), to.end(), [](const std::string& name) {
     return export_target(name, "").is_firmware;
   });
-  if (internal::rotor_lag(vehicle) < kSlowMotors || for_firmware ||
-      !usually_on_flown_plant(vehicle))
+  if (!internal::has_slow_motors(vehicle) || for_firmware || !usually_on_flown_plant(vehicle))
     return "";
   return fmt::format("rate_lead_s = {:.3g}\n", internal::usual_rate_lead(vehicle));
 }

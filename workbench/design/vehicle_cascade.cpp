@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/turn_parts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -133,10 +134,17 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
     throw OptionError("for",
                       "for requires the flown plant, expected --method flown, because "
                       "--method loops does not include the filters of a firmware");
-  if (options.rate_lead && !on_flown_plant)
-    throw OptionError("rate-lead",
-                      "rate-lead requires the flown plant, expected --method flown, because "
-                      "--method loops has no lead");
+  if (options.rate_lead && !on_flown_plant) {
+    const std::string implied = option_of_loops(options);
+    throw OptionError(
+        "rate-lead",
+        implied.empty()
+            ? "rate-lead requires the flown plant, expected --method flown, because --method loops "
+              "has no lead"
+            : fmt::format("rate-lead cannot be combined with --{}, which requires --method loops, "
+                          "because that method has no lead",
+                          implied));
+  }
   if (on_flown_plant) {
     result.flown = cascade_on_flown_plant(vehicle, specification, firmwares, options);
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
@@ -145,6 +153,12 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
     result.report = design_cascade(vehicle, specification, where);
   }
   result.content = content_of(vehicle, result.report, on_flown_plant);
+  if (on_flown_plant && firmwares.empty() && !options.rate_lead &&
+      internal::has_slow_motors(vehicle))
+    result.advice = fmt::format(
+        "the lag of the motors, {:.3g} s, limits the loops of roll and pitch; --rate-lead {:.3g}, "
+        "which `quadtune design V` uses, makes them faster and better damped",
+        internal::rotor_lag(vehicle), internal::usual_rate_lead(vehicle));
   const CascadeDesign& cascade = *result.content.cascade;
   try {
     result.loop = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),
@@ -162,6 +176,7 @@ std::vector<std::string> notes_of(const VehicleCascade& cascade) {
   };
   add("note: ", cascade.report.cascade.notes);
   if (cascade.flown) add("note: ", cascade.flown->notes);
+  if (!cascade.advice.empty()) add("note: ", {cascade.advice});
   // Loops that were designed for the flown plant are judged there.
   if (!cascade.loop || !cascade.flown) add("warning: ", cascade_warnings(cascade.report));
   if (!cascade.loop) return notes;

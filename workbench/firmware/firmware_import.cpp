@@ -11,8 +11,8 @@
 #include "quadtune/synthesis/open_loop.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
 
@@ -43,9 +43,9 @@ void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
                     to_string(turn.gains.axis), D, 100 * D / turn.inertia));
   if (turn.gains.double_integral() != 0)
     notes.push_back(fmt::format(
-        "{}: both of its controllers have an integral: the product of the two "
-        "integrals is included in the margins of this table and in flights, but not in the "
-        "cascade, which other commands use",
+        "{}: the controllers of angle and rate both have an integral. The margins of the table "
+        "rotation and flights include the product of the two; the cascade, which other commands "
+        "use, does not",
         to_string(turn.gains.axis)));
 }
 
@@ -99,10 +99,9 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   result.turns = firmware_turns(firmware, vehicle, values);
   if (firmware.kind == FirmwareKind::ardupilot)
     result.notes.emplace_back(
-        "altitude: flights include the firmware's loop of the vertical acceleration; the cascade, "
-        "which other commands use, assumes that it is ideal, although it initially gives about "
-        "half of the requested "
-        "acceleration: in flight, the height is damped less");
+        "altitude: the firmware's loop of the vertical acceleration initially gives about half of "
+        "the requested acceleration. Flights simulate this loop; other commands assume that it is "
+        "ideal, so that the height is damped less in flight");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
     if (!loop.flies && pilot.loops.empty()) {

@@ -83,11 +83,9 @@ class LqrTuning {
     std::string text = fmt::format(
         "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
         "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = [\"{}\"]\nQ = {}\nR = {}\n",
-        comment, plant_.vehicle.name,
-        vehicle_text(plant_.vehicle.file.empty() ? plant_.vehicle.name
-                                                 : plant_.vehicle.file.string()),
-        plant_.flight.yaw, found.convention, to_string(found.input_kind),
-        internal::joined(found.states, "\", \""), list(found.Q), list(found.R));
+        comment, plant_.vehicle.name, vehicle_text(place_of(plant_.vehicle)), plant_.flight.yaw,
+        found.convention, to_string(found.input_kind), internal::joined(found.states, "\", \""),
+        list(found.Q), list(found.R));
     if (!found.integrals.empty())
       text += fmt::format("integral = [\"{}\"]\nQ_integral = {}\n",
                           internal::joined(found.integrals, "\", \""), list(found.Q_integral));
@@ -102,9 +100,8 @@ class LqrTuning {
   /// Sets Bryson's weights, in the order of the model's states; those of integrals in proportion.
   void take_standard_weights() {
     const Convention& words = ned_convention();
-    const LqrWeights standard = standard_weights(cascade_vehicle(
-        plant_.vehicle,
-        plant_.vehicle.file.empty() ? plant_.vehicle.name : plant_.vehicle.file.string()));
+    const LqrWeights standard =
+        standard_weights(cascade_vehicle(plant_.vehicle, place_of(plant_.vehicle)));
     design_.Q = standard.Q;
     design_.R = standard.R;
     for (std::size_t i = 0; i < design_.integrals.size(); ++i)

@@ -14,6 +14,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
 namespace {
@@ -133,6 +134,52 @@ MissionRequirements read_requirements(const std::filesystem::path& path) {
     requirements.missions.push_back(std::move(mission));
   }
   requirements.uncertainty = internal::read_uncertainty(file, folder);
+  return requirements;
+}
+
+void require_flight_words(const MissionWords& words) {
+  FlightOptions flight;
+  flight.estimator = words.estimator;
+  flight.sensors = words.sensors;
+  if (!words.wind.empty()) flight.wind = words.wind;
+  require_flight_words(flight);
+}
+
+MissionRequirements mission_requirements(const MissionWords& words) {
+  MissionRequirements requirements;
+  if (!words.requirements.empty()) requirements = read_requirements(words.requirements);
+  // The missions of the file have their own flights, so these words would be ignored.
+  const std::pair<const char*, bool> given[] = {{"mission", !words.missions.empty()},
+                                                {"estimator", !words.estimator.empty()},
+                                                {"sensors", !words.sensors.empty()},
+                                                {"wind", !words.wind.empty()},
+                                                {"duration", words.duration.has_value()}};
+  for (const auto& [key, came] : given)
+    if (came && !requirements.missions.empty())
+      throw OptionError(key, fmt::format("{} cannot be combined with requirements that have "
+                                         "[[mission]]; set it there",
+                                         key));
+  for (const std::string& name : words.missions) {
+    CampaignMission mission;
+    mission.mission = load_mission(name);
+    mission.where = "--mission";
+    mission.arguments.estimator = words.estimator;
+    mission.arguments.sensors = words.sensors;
+    if (!words.wind.empty()) mission.arguments.wind = words.wind;
+    mission.arguments.duration = words.duration;
+    requirements.limits.push_back(mission.mission.limits);
+    requirements.missions.push_back(std::move(mission));
+  }
+  if (requirements.missions.empty())
+    throw OptionError("mission",
+                      "mission is missing, expected one, or requirements with [[mission]]");
+  if (!words.measure.empty()) {
+    try {
+      requirements.measure = robust_measure(words.measure, "measure");
+    } catch (const InvalidInput& error) {
+      throw OptionError("measure", error.what());
+    }
+  }
   return requirements;
 }
 

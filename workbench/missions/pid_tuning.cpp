@@ -119,9 +119,7 @@ class PidTuning {
         "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
         "= "
         "{}\n",
-        comment, vehicle_.name,
-        vehicle_text(vehicle_.file.empty() ? vehicle_.name : vehicle_.file.string()),
-        tuned.gains.dt);
+        comment, vehicle_.name, vehicle_text(place_of(vehicle_)), tuned.gains.dt);
     if (std::isfinite(tuned.attitude_limit))
       text += fmt::format("attitude_limit_rad = {}\n", tuned.attitude_limit);
     if (std::isfinite(tuned.integrator_limit))

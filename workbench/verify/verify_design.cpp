@@ -17,8 +17,8 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/design/gains_export.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
+#include "quadtune/workbench/export/gains_export.hpp"
 
 namespace quadtune {
 namespace {

@@ -20,7 +20,7 @@
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "quadtune/workbench/verify/verify_design.hpp"
 #include "quadtune/workbench/verify/verify_evidence.hpp"
@@ -59,15 +59,24 @@ void add_from(const fs::path& folder, const Manifest& manifest, std::vector<Inpu
   }
 }
 
-/// Rejects a file with another name, which would be compared with nothing.
-void require_input(const std::string& name, const Manifest& manifest) {
-  std::vector<std::string> names;
-  for (const ManifestFile& input : manifest.inputs) names.push_back(input.path);
-  if (std::find(names.begin(), names.end(), name) == names.end())
+/// Rejects a file that the export was not made from, which would be compared with nothing.
+void require_design_of(const std::string& directory, const Manifest& manifest,
+                       const Vehicle& vehicle, const std::string& design) {
+  const std::string given = fs::path(design).filename().string();
+  // The first of the inputs, or the second if the first is the vehicle.
+  const auto source = std::find_if(
+      manifest.inputs.begin(), manifest.inputs.end(),
+      [&](const ManifestFile& input) { return input.path != vehicle_file_name(vehicle); });
+  const std::string made_from = source == manifest.inputs.end() ? "" : source->path;
+  const std::string shown = internal::printable(given);
+  if (made_from.empty())
+    throw OptionError("design", fmt::format("design is '{}', expected no such option, because {} "
+                                            "was made without a design file",
+                                            shown, internal::printable(directory)));
+  if (given != made_from)
     throw OptionError("design",
-                      fmt::format("design is '{}', expected one of the manifest's "
-                                  "inputs: {}",
-                                  internal::printable(name), internal::joined(names, ", ")));
+                      fmt::format("design is '{}', expected '{}', from which the export was made",
+                                  shown, internal::printable(made_from)));
 }
 
 std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Manifest& manifest,
@@ -76,7 +85,7 @@ std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Mani
   add_vehicle(manifest, vehicle, inputs);
   if (!vehicle.file.empty()) add_from(vehicle.file.parent_path(), manifest, inputs);
   if (!design.empty()) {
-    require_input(fs::path(design).filename().string(), manifest);
+    require_design_of(directory, manifest, vehicle, design);
     inputs.push_back({fs::path(design).filename().string(), design,
                       internal::read_text_file(design, internal::kTomlLimit)});
     add_from(fs::path(design).parent_path(), manifest, inputs);
@@ -204,12 +213,7 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
     report.checks.push_back({kForcedCheck, false,
                              "written with --force although " +
                                  internal::printable(internal::joined(manifest.forced, "; "))});
-  // The vehicle, or covariances, can be given as well, to compare their hashes.
-  const fs::path named = fs::path(design).filename();
-  const bool is_design = !manifest.inputs.empty() && !design.empty() &&
-                         (holds_schedule(directory) || named == manifest.inputs.front().path) &&
-                         named != vehicle_file_name(vehicle);
-  if (is_design) report.checks.push_back(designed_again(directory, manifest, design));
+  if (!design.empty()) report.checks.push_back(designed_again(directory, manifest, design));
   return report;
 }
 

@@ -11,7 +11,7 @@
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/synthesis/actuator_lqi.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {

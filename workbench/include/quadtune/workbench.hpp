@@ -12,10 +12,8 @@
 #include "quadtune/workbench/design/chosen_law.hpp"           // the law that options choose
 #include "quadtune/workbench/design/design.hpp"               // a design, flown
 #include "quadtune/workbench/design/design_verdict.hpp"       // whether a design may be flown
-#include "quadtune/workbench/design/export_content.hpp"       // what the exporters need of a design
 #include "quadtune/workbench/design/gain_match.hpp"           // weights of a given gain
 #include "quadtune/workbench/design/gains_difference.hpp"     // the laws of two files compared
-#include "quadtune/workbench/design/gains_export.hpp"         // gains from files, exported again
 #include "quadtune/workbench/design/given_gains.hpp"          // laws from files
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"  // a linear model, or why not
 #include "quadtune/workbench/design/lqg_report.hpp"           // LQG on the flown plant
@@ -29,7 +27,10 @@
 #include "quadtune/workbench/design/standard_lqr.hpp"         // the default LQR
 #include "quadtune/workbench/design/usual_design.hpp"         // a design without a design file
 #include "quadtune/workbench/design/vehicle_cascade.hpp"      // the PID cascade of a vehicle
-#include "quadtune/workbench/design/written_exports.hpp"      // the exports of a design
+#include "quadtune/workbench/export/export_content.hpp"       // what the exporters need of a design
+#include "quadtune/workbench/export/gains_export.hpp"         // gains from files, exported again
+#include "quadtune/workbench/export/source_export.hpp"        // any source to any format
+#include "quadtune/workbench/export/written_exports.hpp"      // the exports of a design
 #include "quadtune/workbench/files/file_kind.hpp"             // what a file is
 #include "quadtune/workbench/firmware/firmware_gains.hpp"  // gains within the margins of a firmware
 #include "quadtune/workbench/firmware/firmware_import.hpp"    // margins of a firmware's parameters

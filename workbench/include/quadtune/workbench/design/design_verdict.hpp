@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "quadtune/workbench/design/design.hpp"
-#include "quadtune/workbench/design/written_exports.hpp"
+#include "quadtune/workbench/export/written_exports.hpp"
 #include "quadtune/workbench/flight/diagnosis.hpp"
 
 namespace quadtune {

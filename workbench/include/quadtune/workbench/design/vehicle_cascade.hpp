@@ -23,6 +23,7 @@ struct VehicleCascade {
   ExportContent content;            ///< the cascade and the estimator for an export
   std::optional<FlownLoop> loop;    ///< flown loop at hover; none if it is not analysed
   std::string not_analysed;         ///< reason if `loop` is empty
+  std::string advice;               ///< an option that would improve the gains; empty if none
 };
 
 /// @param vehicle  valid

@@ -41,6 +41,25 @@ struct MissionRequirements {
 /// @throws InvalidInput  "file:line: …"
 [[nodiscard]] MissionRequirements read_requirements(const std::filesystem::path& file);
 
+/// The missions of a search and its requirements, in words.
+struct MissionWords {
+  std::vector<std::string> missions;     ///< names of built-in missions, or files
+  std::string requirements;              ///< file; empty: none
+  std::string measure;                   ///< as in the file; empty: that of the file
+  std::string estimator, sensors, wind;  ///< of the flights, as in FlightOptions; empty: not given
+  std::optional<double> duration;        ///< of each flight [s]
+};
+
+/// Validates the words about the flights before anything is designed.
+/// @throws OptionError  naming the member
+void require_flight_words(const MissionWords& words);
+
+/// The requirements that the words describe.
+/// @throws OptionError  if nothing names a mission, or if the file names the missions, too; a wrong
+///                      member is named by its key, and `missions` by "mission"
+/// @throws InvalidInput, FileError  as read_requirements() and load_mission()
+[[nodiscard]] MissionRequirements mission_requirements(const MissionWords& words);
+
 /// A loop with its margins.
 struct NamedMargins {
   std::string name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/gains_export.hpp"
+#include "quadtune/workbench/export/gains_export.hpp"
 
 #include <fmt/format.h>
 
@@ -19,8 +19,8 @@
 #include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "verify/manifest_vehicle.hpp"
@@ -39,7 +39,9 @@ std::string margins_changed(const ExportContent& before, const ExportContent& af
         .margins;
   };
   const MarginsReport was = margins(before), is = margins(after);
-  std::string text = "margins of the cascade, cut at the wrench, as designed and as rounded:";
+  std::string text =
+      "effect of rounding on the margins of the cascade, in a model without sensors, estimator and "
+      "firmware:";
   for (std::size_t i = 0; i < was.loops.size() && i < is.loops.size(); ++i)
     text +=
         fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/written_exports.hpp"
+#include "quadtune/workbench/export/written_exports.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/design/gains_export.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
+#include "quadtune/workbench/export/gains_export.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune {

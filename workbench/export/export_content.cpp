@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/export/export_content.hpp"
 
 #include <filesystem>
 
