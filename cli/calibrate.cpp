@@ -48,6 +48,7 @@ ImuChannels channels_of(const Options& options) {
 
 CalibratedImu calibrated(const Options& options, const Context& context) {
   ImuLogOptions imu;
+  imu.note = notes_of(context);
   imu.calibration.gravity = options.gravity.value_or(imu.calibration.gravity);
   imu.calibration.field = options.field.value_or(imu.calibration.field);
   if (options.simulate) {
@@ -60,7 +61,6 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   imu.logs = options.logs;
   imu.channels = channels_of(options);
   imu.reading = sensor_log_options(options.sensors);
-  imu.note = notes_of(context);
   return calibrate_from_logs(imu);
 }
 

@@ -53,7 +53,7 @@ std::array<PlannedFlight, 2> planned(const FlightPair& pair, const std::string& 
     const bool compared = error.option() == pair.option ||
                           error.option().starts_with(pair.option + " ");  // and the word
     if (what == "gains" || !compared) throw;
-    refuse("WHAT", "{}: {}", what, error.what());
+    refuse("WHAT", "comparison '{}': {}", what, error.what());
   }
 }
 

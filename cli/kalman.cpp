@@ -66,7 +66,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_flag("--discrete", options.time.discrete, "A is discrete");
   line.add_flag("--continuous", options.time.continuous, "A is continuous");
   line.add_number("--sampled DT", options.time.sampled,
-                  "sample the continuous model every DT seconds");
+                  "sample period of the continuous model [s]");
   line.add_flag("--show-sampled", options.show_sampled,
                 "with --sampled: also print the sampled A, Q and R; JSON always has them");
 }
@@ -79,6 +79,8 @@ void run_kalman(const Options& options, Context& context) {
   if (time.sampled) require_positive(*time.sampled, "--sampled");
   if (options.show_sampled && !time.sampled)
     refuse("--show-sampled", "--show-sampled requires --sampled DT");
+  if (time.sampled && !options.N.empty())
+    refuse("--N", "--N cannot be combined with --sampled, expected 0, its default");
   const Solution solution = solve(options, context.in);
   const KalmanResult& result = solution.filter;
   if (!result.solved())

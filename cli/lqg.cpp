@@ -126,13 +126,13 @@ void add_matrix_options(CommandLine& line, MatrixFiles& files) {
   line.add_option("--G FILE", files.G, "input matrix of the process noise; default: identity");
   line.add_option("--noise-Q FILE", files.noise_Q,
                   "process noise: covariance per step, or spectral density");
-  line.add_option("--noise-R FILE", files.noise_R, "measurement noise, likewise");
+  line.add_option("--noise-R FILE", files.noise_R, "measurement noise, as --noise-Q");
   line.add_option("--noise-N FILE", files.noise_N,
                   "their cross-covariance; default: 0; not with --sampled");
   line.add_flag("--continuous", files.time.continuous, "A and B are continuous");
   line.add_flag("--discrete", files.time.discrete, "A and B are discrete");
   line.add_number("--sampled DT", files.time.sampled,
-                  "continuous A, B, Q, R and noise with the input held for DT seconds");
+                  "continuous A, B, Q, R and noise with the input held for DT [s]");
   line.add_option("--estimate WHICH", files.estimate,
                   "current (default): the command uses the measurement of its sample; delayed: it "
                   "does not");

@@ -204,9 +204,8 @@ void add_options(CommandLine& line, Options& options) {
       "--Q FILE|LIST", options.vehicle.Q,
       "state weights: a matrix file, or with V a list with the integrals last; a single number "
       "applies to all; default with V: Bryson's rule, or 1 on the ideal plant");
-  line.add_option(
-      "--R FILE|LIST", options.vehicle.R,
-      "input weights, likewise; > 0, or with --discrete >= 0 if R + B'SB is nonsingular");
+  line.add_option("--R FILE|LIST", options.vehicle.R,
+                  "input weights, as --Q; > 0, or with --discrete >= 0 if R + B'SB is nonsingular");
   line.add_option("--N FILE", options.N, "cross weights (nx x nu); default: 0");
   line.add_option(
       "--C FILE", options.C,
@@ -220,7 +219,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
   line.add_flag("--discrete", options.time.discrete, "A and B are discrete");
   line.add_number("--sampled DT", options.time.sampled,
-                  "continuous A, B, Q, R with the input held for DT seconds");
+                  "continuous A, B, Q, R with the input held for DT [s]");
   line.add_option(
       "--integral LIST", options.vehicle.integral,
       "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal plant none");

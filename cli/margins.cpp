@@ -13,7 +13,9 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
@@ -46,9 +48,11 @@ struct Options {
 
 /// Whether the loop is cut at the states, or with outputs instead of a gain at the outputs.
 bool cut_at_end(const Options& options) {
-  const bool has_outputs = options.K.empty() && !options.has_vehicle();
+  const bool has_outputs = options.K.empty();
   if (options.cut == "inputs") return false;
-  if (options.cut == (has_outputs ? "outputs" : "states")) return true;
+  if (!options.has_vehicle() && options.cut == (has_outputs ? "outputs" : "states")) return true;
+  if (options.has_vehicle())
+    refuse("--cut", "--cut is '{}', expected inputs, the only place with a vehicle", options.cut);
   refuse("--cut", "--cut is '{}', expected inputs or {}", options.cut,
          has_outputs ? "outputs" : "states");
 }
@@ -162,8 +166,7 @@ LoopReport vehicle_loop(const Options& options) {
     refuse(
         "--gains",
         "--gains is missing, expected the gains of the vehicle: a file or an export's directory");
-  if (cut_at_end(options))
-    refuse("--cut", "--cut states applies to matrices only, expected inputs with a vehicle");
+  (void)cut_at_end(options);
   FlownLoopOptions at = options.at;
   at.command_delay = options.delay;
   return loop_report(options.flight, at, options.plant == "flown");
@@ -171,12 +174,17 @@ LoopReport vehicle_loop(const Options& options) {
 
 /// Requires exactly one of the ways to define a loop, and no option of the others.
 void require_one_loop(const Options& options, const CommandLine& line) {
-  if (int{options.has_fraction()} + int{options.has_matrices()} + int{options.has_vehicle()} +
-          int{!options.frd.empty()} !=
-      1)
+  std::vector<std::string> given;
+  if (options.has_fraction()) given.emplace_back("--num and --den");
+  if (options.has_matrices()) given.emplace_back("matrices");
+  if (!options.frd.empty()) given.emplace_back("--frd");
+  if (options.has_vehicle())
+    given.push_back("the vehicle '" + internal::printable(options.flight.vehicle) + "'");
+  if (given.size() != 1)
     refuse("V",
            "expected exactly one loop, which is given by --num and --den, by --A, --B and --K, by "
-           "--A, --B and --C, by --frd, or by a vehicle with --gains");
+           "--A, --B and --C, by --frd, or by a vehicle with --gains{}",
+           given.empty() ? "" : "; came " + internal::joined(given, " and "));
   if (options.has_vehicle() && options.controller.given())
     refuse("V",
            "a vehicle cannot be combined with a controller, because its gains are "
@@ -304,7 +312,7 @@ void add_loop_options(CommandLine& line, Options& options) {
   line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
   line.add_flag("--discrete", options.time.discrete, "A and B are discrete, with --dt");
   line.add_number("--sampled DT", options.time.sampled,
-                  "continuous A and B with the input held for DT seconds");
+                  "continuous A and B with the input held for DT [s]");
   line.add_number("--dt T", options.dt,
                   "sample period [s]: the coefficients are those of z, the matrices are discrete");
   line.add_number("--delay S", options.delay,

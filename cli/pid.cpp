@@ -126,6 +126,17 @@ void require_discrete(const PidGains& gains, const Options& options, const char*
   }
 }
 
+/// Warns if sampling at --dt takes much of a delay that the loop can tolerate.
+/// @param delay  [s]
+void warn_of_period(const Options& options, double delay, const char* what,
+                    const Context& context) {
+  constexpr double kShare = 0.25;
+  const double sampling = options.cascade.dt.value_or(0) / 2;  // mean delay of a held output
+  if (sampling > kShare * delay)
+    context.note(fmt::format("warning: --dt {} adds a delay of {} s, {:.0f} % of {}",
+                             *options.cascade.dt, number(sampling), 100 * sampling / delay, what));
+}
+
 void print_gains(const PidGains& gains, const std::string& how, const Options& options,
                  Context& context) {
   require_discrete(gains, options, options.gains.empty() ? "--dt" : "--gains");
@@ -164,6 +175,7 @@ void run_without_plant(const CommandLine& line, const Options& options, Context&
               fmt::format("{} by {} for an ultimate gain of {} and a period of {} s", options.type,
                           rule, number(*options.Ku), number(*options.Tu)),
               options, context);
+  warn_of_period(options, *options.Tu / 5, "a fifth of the ultimate period", context);
 }
 
 void run_transfer_function(const Options& options, Context& context) {
@@ -187,6 +199,8 @@ void run_transfer_function(const Options& options, Context& context) {
       },
       [&] { return to_text(report) + discrete_text(report.gains, options); });
   context.notes("warning: ", margin_warnings(report.margins));
+  warn_of_period(options, report.margins.loops.front().delay_margin,
+                 "the delay margin of the continuous loop", context);
 }
 
 // Options of the other mode are rejected. If they were ignored, the gains would not be the

@@ -50,7 +50,9 @@ Eigen::VectorXcd poles_of(const std::string& list) {
   for (const std::string& word : word_list(list)) {
     const auto pole = pole_of(word);
     if (!pole)
-      refuse("--poles", "--poles: '{}' is not a number such as -2 or -1+2i",
+      refuse("--poles",
+             "--poles: '{}' is not a pole, expected numbers such as -2 or -1+2i, separated by "
+             "commas",
              internal::printable(word));
     poles.push_back(*pole);
   }

@@ -53,9 +53,10 @@ bool is_name(const std::string& word) {
 void require_action(const Options& options) {
   const std::string& action = options.action;
   if (action != "list" && action != "show" && action != "check" && action != "new")
-    refuse("ACTION", "{}; expected list, show V, check FILE or new NAME{}",
-           action.empty() ? "no action is given" : "'" + internal::printable(action) + "'",
-           internal::did_you_mean(action, {"list", "show", "check", "new"}));
+    refuse(
+        "ACTION", "{}; expected list, show V, check FILE or new NAME{}",
+        action.empty() ? "no action is given" : "'" + internal::printable(action) + "' is unknown",
+        internal::did_you_mean(action, {"list", "show", "check", "new"}));
   if (action == "list" && !options.vehicle.empty())
     refuse(options.vehicle, "unexpected argument '{}' after list", options.vehicle);
   if (action == "new" && !is_name(options.vehicle))
@@ -74,24 +75,37 @@ void require_action(const Options& options) {
     refuse("V", "{} needs a built-in vehicle's name or a file", action);
 }
 
-/// A question of --ask. An empty answer leaves the option as it is.
-void ask(Context& context, std::optional<std::string>& answer, const std::string& question) {
-  if (answer) return;
-  context.err << question << ": " << std::flush;
-  std::string line;
-  if (!std::getline(context.in, line)) return;
-  while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.pop_back();
-  if (!line.empty()) answer = line;
+/// A question of --ask, which is repeated until the answer is valid. An empty answer leaves the
+/// option as it is.
+void ask(Context& context, std::optional<std::string>& answer, QuantityUnit unit, const char* key,
+         const std::string& question) {
+  while (!answer) {
+    context.err << question << ": " << std::flush;
+    std::string line;
+    if (!std::getline(context.in, line)) return;
+    while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.pop_back();
+    if (line.empty()) return;
+    try {
+      (void)read_quantity(line, unit, key);
+      answer = line;
+    } catch (const OptionError& error) {
+      context.err << error.what() << "\n";
+    }
+  }
 }
 
 void ask_all(MeasuredWords& words, Context& context) {
   context.err << "Give each number with its unit. Press Enter to leave an optional number to an "
                  "estimate.\n";
-  ask(context, words.mass, "Mass, ready to fly (e.g. 1240g)");
-  ask(context, words.arm, "Distance from the centre to the axis of a rotor (e.g. 225mm)");
-  ask(context, words.propeller, "Diameter of a propeller (e.g. 9.4in)");
-  ask(context, words.hover_speed, "Optional: rotor speed in hover (e.g. 5200rpm)");
-  ask(context, words.max_thrust, "Optional: largest thrust of one rotor (e.g. 760gf)");
+  ask(context, words.mass, QuantityUnit::mass, "mass", "Mass, ready to fly (e.g. 1240g)");
+  ask(context, words.arm, QuantityUnit::length, "arm",
+      "Distance from the centre to the axis of a rotor (e.g. 225mm)");
+  ask(context, words.propeller, QuantityUnit::length, "propeller",
+      "Diameter of a propeller (e.g. 9.4in)");
+  ask(context, words.hover_speed, QuantityUnit::rotor_speed, "hover-speed",
+      "Optional: rotor speed in hover (e.g. 5200rpm)");
+  ask(context, words.max_thrust, QuantityUnit::force, "max-thrust",
+      "Optional: largest thrust of one rotor (e.g. 760gf)");
 }
 
 std::optional<double> quantity(const std::optional<std::string>& word, QuantityUnit unit,
@@ -164,6 +178,8 @@ void make_vehicle(Options& options, Context& context) {
              option, example);
   const NewVehicle made = new_vehicle(measured_vehicle(options));
   context.notes("note: ", estimate_notes(made));
+  for (const Implausibility& figure : find_implausible_values(made.vehicle))
+    context.note("warning: " + to_string(figure));
   context.print([&] { return new_vehicle_json(made); }, [&] { return made.text; });
 }
 

@@ -76,7 +76,7 @@ StoredLaws read_file(const fs::path& path) {
       fmt::format(
           "is not a gain file; expected gains.json, manifest.json, {}, a gain file of uquad ({}, "
           "…), or the JSON output of `quadtune lqr`, `lqg`, `pid` or `import` (--json, or -o "
-          "with a name that ends in .json)",
+          "with a name that ends in .json); in some commands also a design file or a gain schedule",
           exports::kControllerVars, uquad_file_sets().front().proportional));
 }
 

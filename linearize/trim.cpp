@@ -181,9 +181,8 @@ void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, Tr
   if (worst > 1e-6) {
     result.status = TrimStatus::no_authority;
     result.culprit = fmt::format(
-        "{} cannot be balanced: of the thrusts that carry the weight, those that balance the "
-        "torques "
-        "best leave a torque of {:.3g} N m",
+        "{} cannot be balanced: thrusts that carry the weight and balance the torques as far as "
+        "possible leave a torque of {:.3g} N m",
         kAxes[axis], worst * problem.weight() * problem.arm());
     return;
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/flown_lqr_arguments.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/convention_file.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/synthesis/flown_axis.hpp"
 #include "report/text/print.hpp"
 
@@ -37,15 +39,30 @@ void require_weights(const LqiDesign& design) {
   }
 }
 
+/// Every other state is 0 in hover, so its integral cannot be controlled.
+void require_positions(const std::vector<std::string>& integrals) {
+  std::vector<std::string> known;
+  for (const FlownAxis axis : kFlownAxes)
+    known.push_back(
+        ned_convention().states[static_cast<std::size_t>(states_of(axis).front())].name);
+  for (const std::string& name : integrals)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      refuse("--integral",
+             "--integral: {} cannot be integrated, because it is 0 in every hover; expected some "
+             "of {}, or none",
+             name, internal::joined(known, " "));
+}
+
 }  // namespace
 
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
   line.add_option("--change LIST", arguments.change,
                   "flown plant: weights of the change of each command from one control period to "
                   "the next; default: no such cost");
-  line.add_number("--past N", arguments.past,
-                  "flown plant: number of control periods that the law predicts; default: the one "
-                  "that meets the margins with the smallest increase of the weights");
+  line.add_number(
+      "--past N", arguments.past,
+      "flown plant: number of control periods that the law predicts; default: chosen so "
+      "that the flown loop meets its margins");
   line.add_option("--estimator NAME", arguments.estimator,
                   "flown plant: as for `quadtune fly`; default: one that the sensors allow");
   line.add_option("--sensors NAME", arguments.sensors, "flown plant: real (default) or ideal");
@@ -60,6 +77,7 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
   const std::vector<std::string> states = names_of(ned_convention().states);
   const std::vector<std::string> inputs = names_of(ned_convention().wrench);
   if (!common.integral.empty()) design.integrals = read_integrals(common, states);
+  require_positions(design.integrals);
   if (arguments.past) design.past = past_periods(*arguments.past);
   if (!common.Q.empty()) {
     const Eigen::VectorXd Q = state_weights(common.Q, states, design.integrals);

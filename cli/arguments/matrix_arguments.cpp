@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <istream>
 
@@ -15,11 +17,24 @@
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {
+namespace {
+
+/// Whether the word is a number that no matrix may have, such as "-inf" or "NaN".
+bool is_not_finite(std::string word) {
+  if (word.starts_with('-') || word.starts_with('+')) word.erase(0, 1);
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return word == "inf" || word == "infinity" || word == "nan";
+}
+
+}  // namespace
 
 Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in, const std::string& option) {
   if (path.empty()) return {};
   if (const auto lines = matrix_lines(path))  // the matrix is part of the command line
     return parse_text_matrix(*lines, fmt::format("{} '{}'", option, internal::printable(path)));
+  if (is_not_finite(path))
+    refuse(option, "{} is '{}', expected finite numbers or a matrix file", option, path);
   if (path != "-") return read_text_matrix(path);
   // Reads at most one byte more than the limit, which is enough to reject an input that is too
   // long. Reads from the buffer directly, because a stream would swallow an exception of its buffer

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/plant_arguments.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 
@@ -68,6 +74,10 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
     // The flight itself is invalid, e.g. its speed is negative, so the options are the cause.
     refuse("--at " + arguments.at, "--at {}: {}", arguments.at, error.message());
   }
+  if (std::abs(arguments.yaw) > 2 * std::numbers::pi)
+    plant.model.notes.push_back(fmt::format("--yaw is {} rad, which is {:.3g} degrees",
+                                            number(arguments.yaw),
+                                            arguments.yaw * 180 / std::numbers::pi));
   return plant;
 }
 

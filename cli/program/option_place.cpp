@@ -50,8 +50,14 @@ std::optional<UsageError> told_by_option(const InvalidInput& error, const Comman
     return UsageError(fmt::format("{}: {}", where, message), where);
   const std::size_t end = std::min(message.find(' '), message.size());
   const std::string option = option_for(message.substr(0, end), where, line);
-  if (!option.empty() && (option == where || names_no_input(where, line)))
-    return UsageError(option + message.substr(end), option);
+  if (!option.empty() && (option == where || names_no_input(where, line))) {
+    // The end of the message may name the parameter again: "R has eigenvalue 0, expected R > 0".
+    std::string rest = message.substr(end);
+    const std::string again = "expected " + message.substr(0, end) + " ";
+    if (const std::size_t at = rest.find(again); at != std::string::npos)
+      rest.replace(at, again.size(), "expected " + option + " ");
+    return UsageError(option + rest, option);
+  }
   if (where.starts_with("--") || line.find(where) != nullptr) {
     // "--A '1 2; 3':2" is a row of the matrix of --A; "--num, --den" are two options.
     const bool several = where.find(", --") != std::string::npos;

@@ -5,7 +5,9 @@
 #include <glog/logging.h>  // used by Ceres, which logs warnings of its line search
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <istream>
@@ -29,6 +31,7 @@
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "quadtune/workbench/logs/missing_option.hpp"
+#include "quadtune/workbench/vehicle/vehicle_check.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -123,10 +126,18 @@ void refuse_two_readers(const CommandLine& line) {
     // A control period that is too short for the estimator.
     const Option* const dt = line.find("--dt");
     if (dt != nullptr && dt->was_given() && error.where() == "estimator general")
-      refuse("--dt", "--dt: {}", error.what());
+      refuse("--dt", "--dt is too short for the estimator: {}", error.message());
     if (const auto told = told_by_option(error, line)) throw UsageError(*told);
     throw;
   }
+}
+
+/// Warns about implausible vehicles among the words of the command line. `vehicle` prints them.
+void warn_of_vehicles(const Verb& verb, const CommandLine& line, const Context& context) {
+  if (context.quiet || verb.name == "vehicle") return;
+  for (const Option* option : line.options())
+    for (const std::string& word : option->values())
+      context.notes("warning: ", vehicle_warnings(word));
 }
 
 void run_action(const Action& action, const std::string& file, Context& context) {
@@ -165,6 +176,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
       refuse_standard_output(line, verb.name);
     context.threads = threads;
     try {
+      warn_of_vehicles(verb, line, context);
       run_action(action, file, context);
     } catch (...) {
       throw_for_user(verb, line);
@@ -239,6 +251,13 @@ std::string recorded_command(const std::vector<std::string>& args) {
 
 }  // namespace
 
+namespace {
+
+/// ": No space left on device", the reason of the operating system for the last error, if known.
+std::string reason() { return errno == 0 ? "" : std::string(": ") + std::strerror(errno); }
+
+}  // namespace
+
 void write_file(const std::string& file, const std::string& bytes,
                 const std::function<bool()>& stop) {
   std::filesystem::path path = std::filesystem::absolute(file);
@@ -249,8 +268,9 @@ void write_file(const std::string& file, const std::string& bytes,
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     // A device or a pipe is written to directly and not replaced.
     std::ofstream stream(path, std::ios::binary);
+    errno = 0;
     stream << bytes << std::flush;
-    if (!stream) throw FileError(file, "could not be written");
+    if (!stream) throw FileError(file, "could not be written" + reason());
     return;
   }
   // The target of a symbolic link is replaced, not the link.

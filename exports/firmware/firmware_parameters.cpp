@@ -126,8 +126,8 @@ class Writer {
     if ((rounded == 0 && value != 0) || (facts.max && rounded > *facts.max) ||
         (facts.min && rounded < *facts.min))
       throw InvalidInput(name_,
-                         fmt::format("{} would be {:.6g}, expected {} to {}, because the firmware "
-                                     "stores a whole number",
+                         fmt::format("{} would be {:.6g}, expected a whole number from {} to {}, "
+                                     "the range of this parameter",
                                      facts.name, value, facts.min.value_or(0) > 0 ? *facts.min : 1,
                                      facts.max.value_or(65535)));
     constexpr double kTold = 1e-3;
@@ -339,8 +339,8 @@ void write_betaflight(Writer& w) {
       w.set("p_yaw", yaw.Kd / (G * exports::kBetaflightP));
       w.set("i_yaw", yaw.Kp / (G * exports::kBetaflightI * exports::kBetaflightYaw));
       w.note(fmt::format(
-          "the firmware has no loop of the heading: i_yaw takes the place of Kp, and Ki "
-          "{:.4g} is omitted",
+          "the firmware has no loop of the heading: i_yaw, which acts on the integral of the yaw "
+          "rate, takes the place of the heading's Kp; the heading's Ki, {:.4g}, is omitted",
           yaw.Ki));
     } else {
       const Factored& loop = turn.axis == CascadeAxis::roll ? roll : pitch;

@@ -133,8 +133,8 @@ DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   const auto ni = static_cast<Eigen::Index>(gains.integrals.size());
   require_shape(plant.A, nx, nx, "open_loop", "plant.A", "states: " + names(gains.states));
   if (names(plant.inputs) != names(gains.inputs))
-    throw InvalidInput("open_loop", fmt::format("the plant's inputs are {}, expected {}",
-                                                names(plant.inputs), names(gains.inputs)));
+    throw InvalidInput("open_loop", fmt::format("the inputs of the gains are {}, expected {}",
+                                                names(gains.inputs), names(plant.inputs)));
   std::vector<int> order;
   for (const Signal& state : gains.states) order.push_back(index_of(plant.states, state.name));
   const double sign = gains.sign_law == SignLaw::set_point_minus_state ? -1 : 1;

@@ -89,6 +89,8 @@ Wind parse_wind(const std::string& words, const std::string& where) {
     *target = number_of(without_blanks(entry.substr(equals + 1)), key, where);
     begin = end + 1;
   }
+  if (wind.gust.start < 0)
+    throw InvalidInput(where, fmt::format("gust_at is {} s, expected 0 or more", wind.gust.start));
   if (!(wind.gust.length > 0))
     throw InvalidInput(where,
                        fmt::format("gust_length is {} s, expected more than 0", wind.gust.length));

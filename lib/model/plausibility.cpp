@@ -163,6 +163,14 @@ class Search {
     const bool known = !std::isnan(rotor.radius);
     const double radius = known ? rotor.radius : room();
     if (!(radius > 0)) return;
+    constexpr PlausibleRange kDistance{0.1, 2.1};  // two rotors: 2; 24 on a circle: 0.26
+    if (const double distance = 2 * room() / arm_;
+        !known && arm_ > 0 && !kDistance.holds(distance)) {
+      found_.push_back({"smallest distance between two rotors over the arm", "", distance,
+                        kDistance.low, kDistance.high,
+                        "position_m of two rotors may be meant to be the same, or further apart"});
+      return;
+    }
     const double w = rotor_speed_for_thrust(rotor, thrust_);
     // A propeller may be smaller than half of the available radius: C_T scales with its fourth
     // power.

@@ -171,4 +171,8 @@ void validate(const Vehicle& vehicle, const std::string& where) {
   check_yaw_balance(vehicle, check);
 }
 
+std::string place_of(const Vehicle& vehicle) {
+  return vehicle.file.empty() ? vehicle.name : vehicle.file.string();
+}
+
 }  // namespace quadtune

@@ -21,7 +21,7 @@ constexpr internal::EnumName<Integrator> kIntegrators[] = {
 std::string to_string(Integrator integrator) { return internal::name_in(kIntegrators, integrator); }
 
 Integrator integrator(const std::string& name, const std::string& where) {
-  return internal::require_in(kIntegrators, name, "integrator", where);
+  return internal::require_in(kIntegrators, name, "solver", where);
 }
 
 }  // namespace quadtune

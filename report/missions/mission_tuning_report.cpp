@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/flights/flights.hpp"
@@ -495,13 +496,14 @@ std::string to_text(const Report& report) {
     text += section("binding", fmt::format("{}", internal::joined(binding_words(r), "\n")));
   if (!r.broken.empty())
     text += section("violated", fmt::format("{}", internal::joined(r.broken, "\n")));
-  return text + section("verdict",
-                        fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, end: {}",
-                                    r.accepted ? "better" : "the start is kept", r.reason,
-                                    r.broken.empty() ? ""
-                                                     : fmt::format("violates {} of the limits\n",
-                                                                   r.broken.size()),
-                                    r.evaluations, r.seconds, to_string(r.end)));
+  return text +
+         section("verdict",
+                 fmt::format(
+                     "{}: {}\n{}{} in {:.3g} s, end: {}",
+                     r.accepted ? "better" : "the start is kept", r.reason,
+                     r.broken.empty() ? ""
+                                      : fmt::format("violates {} of the limits\n", r.broken.size()),
+                     internal::counted(r.evaluations, "evaluation"), r.seconds, to_string(r.end)));
 }
 
 Json loosened_json(const MissionSearchResult& result) {
@@ -592,8 +594,9 @@ GainsPage page_of(const Report& report, const std::vector<TunedFlights>& flights
       {"cost", fmt::format("{}; each relative to that of the start, mission by mission",
                            internal::joined(cost, " + "))},
       {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
-      {"search", fmt::format("{} evaluations in {:.3g} s, end: {}", r.evaluations, r.seconds,
-                             to_string(r.end))},
+      {"search",
+       fmt::format("{} in {:.3g} s, end: {}", internal::counted(r.evaluations, "evaluation"),
+                   r.seconds, to_string(r.end))},
       {"searched", fmt::format("{}", internal::joined(report.tuning.names, "; "))}};
   std::vector<std::string> varied;
   for (const auto& number : report.request.uncertainty.numbers) varied.push_back(number.quantity);

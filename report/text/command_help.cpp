@@ -50,8 +50,10 @@ std::string overview_text(const std::vector<CommandHelp>& commands,
       "quadtune {}: from a small multirotor's numbers to gains that fly\n\nusage: quadtune COMMAND "
       "[options]\n\n",
       kVersion);
+  std::size_t width = 0;
+  for (const CommandHelp& command : commands) width = std::max(width, command.name.size());
   for (const CommandHelp& command : commands)
-    text += fmt::format("  {:<11} {}\n", command.name, command.summary);
+    text += fmt::format("  {:<{}}  {}\n", command.name, width, command.summary);
   text += "\n'quadtune help COMMAND' shows a command's options and an example.\nExit status: ";
   return text + exit_status + ".\n";
 }

@@ -300,6 +300,8 @@ std::string to_text(const VehicleCheck& check, const std::string& name) {
                                  check.vehicle.name, number(hover_speed(check.hover)));
   for (const Implausibility& figure : check.warnings)
     text += fmt::format("{}: warning: {}\n", name, to_string(figure));
+  for (const std::string& obstacle : check.obstacles)
+    text += fmt::format("{}: warning: {}\n", name, obstacle);
   return text;
 }
 

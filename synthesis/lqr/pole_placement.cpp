@@ -289,14 +289,24 @@ class Placement {
   std::string culprit_;
 };
 
-/// Pairs each requested pole with the nearest computed one that is left, and returns the largest
-/// distance.
-double largest_distance(const VectorXcd& wanted, const VectorXcd& computed) {
-  std::vector<Complex> left(computed.begin(), computed.end());
+/// Distances between the requested poles and the computed ones.
+struct PoleErrors {
   double largest = 0;
-  for (const Complex& pole : wanted)
-    largest = std::max(largest, std::abs(take_nearest(left, pole) - pole));
-  return largest;
+  double largest_relative = 0;  ///< to the larger of the pole itself and the poles of the plant
+};
+
+/// Pairs each requested pole with the nearest computed one that is left.
+/// @param plant  magnitude of the largest pole of the plant
+PoleErrors errors_of(const VectorXcd& wanted, const VectorXcd& computed, double plant) {
+  std::vector<Complex> left(computed.begin(), computed.end());
+  PoleErrors errors;
+  for (const Complex& pole : wanted) {
+    const double distance = std::abs(take_nearest(left, pole) - pole);
+    errors.largest = std::max(errors.largest, distance);
+    const double size = std::max(std::abs(pole), plant);
+    if (size > 0) errors.largest_relative = std::max(errors.largest_relative, distance / size);
+  }
+  return errors;
 }
 
 /// The largest number of requested poles that are equal.
@@ -353,20 +363,24 @@ PolePlacement place_poles(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<
     return result;
   }
   const VectorXcd computed = internal::eigenvalues(A - B * placement.K());
-  const double error = computed.size() == n ? largest_distance(poles, computed)
-                                            : std::numeric_limits<double>::infinity();
-  const double scale = std::max(
-      {poles.cwiseAbs().maxCoeff(), internal::eigenvalues(A).cwiseAbs().maxCoeff(), 1e-300});
+  const double plant = internal::eigenvalues(A).cwiseAbs().maxCoeff();
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const PoleErrors errors =
+      computed.size() == n ? errors_of(poles, computed, plant) : PoleErrors{kNone, kNone};
+  const double scale = std::max({poles.cwiseAbs().maxCoeff(), plant, 1e-300});
   // A pole of multiplicity m moves by the m-th root of a change of the matrix.
   const double allowed = std::max(
       tolerance, 100 * std::pow(std::numeric_limits<double>::epsilon(), 1 / multiplicity(poles)));
-  result.error = error;
-  if (!placement.K().allFinite() || !(error <= allowed * scale)) {
+  // A pole that is far smaller than another one is accurate only if its own error is small.
+  const double allowed_of_each = std::max(allowed, 1e-3);
+  result.error = errors.largest;
+  if (!placement.K().allFinite() || !(errors.largest <= allowed * scale) ||
+      !(errors.largest_relative <= allowed_of_each)) {
     result.status = PolePlacementStatus::inaccurate;
     result.culprit = fmt::format(
         "a computed pole differs from the requested one by {:.2g}: the plant is nearly "
-        "uncontrollable, or the poles are too far from those of the plant",
-        error);
+        "uncontrollable, or the poles are too far from those of the plant or from one another",
+        errors.largest);
     return result;
   }
   result.status = PolePlacementStatus::solved;

@@ -12,6 +12,7 @@
 #include "margins/disk.hpp"
 #include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/counted.hpp"
 
 namespace quadtune {
 
@@ -128,9 +129,9 @@ Peak peak_of(const DataCurve& curve, const std::vector<double>& w, double offset
 void validate(const FrequencyData& data, const std::string& where) {
   const Index n = data.w.size();
   if (n < 2 || data.G.size() != n)
-    throw InvalidInput(where, fmt::format("there are {} frequencies and {} values, expected at "
-                                          "least two of each",
-                                          n, data.G.size()));
+    throw InvalidInput(where, fmt::format("has {} and {}, expected at least two of each",
+                                          internal::counted(n, "frequency", "frequencies"),
+                                          internal::counted(data.G.size(), "value")));
   for (Index i = 0; i < n; ++i) {
     if (!(data.w[i] > (i > 0 ? data.w[i - 1] : 0.0)) || !std::isfinite(data.w[i]))
       throw InvalidInput(where, fmt::format("frequency {} is {:.6g} rad/s, expected positive "

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <Eigen/SVD>
 #include <ostream>
 
 #include "lyapunov/mode_names.hpp"
@@ -96,8 +97,26 @@ bool residual_is_small(const Candidate& found, const RiccatiOptions& options) {
   return found.residual <= std::max(options.relative_tolerance, unavoidable);
 }
 
-Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurOutcome& schur) {
+/// Whether a combination of the inputs has neither a weight nor an effect, so that R + B'XB is
+/// singular for every X.
+bool has_idle_input(const RiccatiEquation& p) {
+  const double B = p.B.norm(), R = p.R.norm();
+  Eigen::MatrixXd both(p.B.rows() + p.R.rows(), p.B.cols());
+  both << p.B / (B > 0 ? B : 1), p.R / (R > 0 ? R : 1);
+  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(both).singularValues();
+  return singular(singular.size() - 1) < 1e-12 * singular(0);
+}
+
+Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurOutcome& schur,
+                          RiccatiProblem kind) {
   const bool continuous = problem.time == Time::continuous;
+  if (!continuous && has_idle_input(problem))
+    return {RiccatiStatus::no_convergence,
+            kind == RiccatiProblem::filter
+                ? "R + C P C' is singular: a combination of the measurements has no noise, and its "
+                  "row of C is 0"
+                : "R + B' S B is singular: a combination of the inputs has no weight, and its "
+                  "column of B is 0"};
   const auto on_boundary = [&](std::complex<double> value) {
     return Culprit{
         RiccatiStatus::boundary_pair,
@@ -293,7 +312,7 @@ struct RiccatiSolver::State {
       return;
     }
     if (solve_exactly(problem)) return;
-    give_up(problem, culprit_after_all(problem, schur));
+    give_up(problem, culprit_after_all(problem, schur, options.problem));
   }
 };
 

@@ -172,25 +172,24 @@ Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOp
       scaled(plain, balancing(plain.A, plain.B * plain.B.transpose(), plain.Q));
   const bool filter = options.problem == RiccatiProblem::filter;
   const double boundary = std::max(1e-8, std::sqrt(tolerance));
-  const auto sentence = [](const Mode& mode, const std::string& one, const std::string& many) {
-    return fmt::format("mode at {}: {} {}", format_mode(mode.value), join_names(mode.states),
-                       mode.states.size() == 1 ? one : many);
+  const auto sentence = [](const Mode& mode, const std::string& why) {
+    return fmt::format("mode at {}: {}{} {}", format_mode(mode.value),
+                       mode.states.size() == 1 ? "" : "a combination of ", join_names(mode.states),
+                       why);
   };
   const Mode unsteered = find_mode(p.time, unreachable_part(in_scale.A, in_scale.B, tolerance),
                                    true, boundary, options.state_names);
-  if (unsteered.found && is_unsteered(p, plain.A, tolerance, boundary)) {
-    const std::string words =
-        filter ? "cannot be observed by the measurements" : "cannot be controlled";
-    return {RiccatiStatus::not_stabilizable, sentence(unsteered, words, words)};
-  }
+  if (unsteered.found && is_unsteered(p, plain.A, tolerance, boundary))
+    return {RiccatiStatus::not_stabilizable,
+            sentence(unsteered,
+                     filter ? "cannot be observed by the measurements" : "cannot be controlled")};
   const Mode unseen =
       find_mode(p.time, unreachable_part(in_scale.A.transpose(), in_scale.Q, tolerance), false,
                 boundary, options.state_names);
   if (unseen.found && is_unseen(p, plain, tolerance, boundary))
-    return {RiccatiStatus::not_detectable,
-            filter
-                ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")
-                : sentence(unseen, "is not observable through Q", "are not observable through Q")};
+    return {
+        RiccatiStatus::not_detectable,
+        sentence(unseen, filter ? "is not driven by the noise" : "is not observable through Q")};
   return {};
 }
 

@@ -205,7 +205,7 @@ TEST(PidOfAVehicle, RefusesALeadThatItCannotDesign) {
               HasSubstr("--rate-lead is 2 s, expected 0 to 1"));
   EXPECT_THAT(said({"mambo", "--rate-lead", "nan"}), HasSubstr("--rate-lead"));
   EXPECT_THAT(said({"mambo", "--rate-lead", "0.01", "--Ms-max", "1.5"}),
-              HasSubstr("--rate-lead requires the flown plant"));
+              HasSubstr("--rate-lead cannot be combined with --Ms-max"));
   EXPECT_THAT(said({"--num", "1", "--den", "1,1", "--rate-lead", "0.01"}),
               HasSubstr("--rate-lead belongs to a vehicle"));
 }

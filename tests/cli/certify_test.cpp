@@ -97,7 +97,7 @@ TEST_F(CertifyTest, SaysWhatItCannotProveAndWhere) {
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.out, HasSubstr("not proved"));
   EXPECT_THAT(result.out, HasSubstr("verdict     not proved"));
-  EXPECT_THAT(result.err, HasSubstr("2 boxes were examined; the worst found has |z| 0.99968"));
+  EXPECT_THAT(result.err, HasSubstr("2 boxes were examined; the worst loop found has |z| 0.99968"));
 }
 
 TEST_F(CertifyTest, TakesBothLawsOfAMamboExport) {
@@ -179,7 +179,7 @@ TEST_F(CertifyTest, FindsTheFlownLoopThatIsUnstable) {
   EXPECT_GT(law["flown"]["radius"], 1);
   EXPECT_EQ(law["flown"]["parameters"]["delay"], 0.03);
   EXPECT_THAT(refused(args, 1),
-              HasSubstr("the flown loop, with sensors and the estimator general, is unstable: "));
+              HasSubstr("the flown loop, with sensors and the estimator general, is unstable at "));
   args.insert(args.end(), {"--plant", "ideal"});
   EXPECT_TRUE(certified(args, 0)["laws"][0]["flown"].is_null());
 }

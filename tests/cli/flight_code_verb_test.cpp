@@ -110,7 +110,7 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
     EXPECT_THAT(result.err, HasSubstr(message));
     EXPECT_FALSE(std::filesystem::exists(path("none")));
   };
-  refused({"--to", "json"}, 3, "is a gain schedule, expected --to c");
+  refused({"--to", "json"}, 3, "is a gain schedule, expected the format c");
   refused({"--to", "c", "--law", "state-feedback"}, 2,
           "--law cannot be combined with a gain schedule");
   refused({"--to", "c", "--adapter", "px4"}, 2,
@@ -154,7 +154,7 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   refused({"export", gains, "--to", "c", "-o", out, "--law", "state-feedback"}, 3,
           "the design has no law 'state-feedback'");
   refused({"export", gains, "--to", "json", "-o", out, "--name", "x"}, 2,
-          "--name applies to --to c only, not to --to json");
+          "--name applies to the format c only, not to json");
   EXPECT_FALSE(std::filesystem::exists(out));
   refused({"fly", "crazyflie", "--compiled"}, 2, "requires --gains DIR");
   refused({"fly", "crazyflie", "--gains", gains, "--compiled"}, 2, "has no flight_code.json");

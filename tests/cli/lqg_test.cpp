@@ -119,7 +119,8 @@ TEST(Lqg, RefusesWhatItCannotDo) {
           "expected the general filter and real sensors");
   refused({"mambo", "--recover", "--estimator", "truth"}, "expected the general filter");
   refused({"mambo", "--time", "1e300"}, "--time is 1e+300, expected at most 1e+06 s");
-  refused({"mambo", "--dt", "0.0005"}, "quadtune lqg: --dt: estimator general: gyroscope.lag");
+  refused({"mambo", "--dt", "0.0005"},
+          "quadtune lqg: --dt is too short for the estimator: gyroscope.lag");
   refused({"mambo", "--height", "0"}, "--height is 0, expected a positive number of metres");
 }
 

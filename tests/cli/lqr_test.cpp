@@ -179,7 +179,8 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--sensors", "bad"}, "--sensors is 'bad', expected ideal or real");
   refused({"--Q", "1,2"}, "--Q has 2 entries, expected 16 or a single one for all");
   refused({"--integral", "pw"}, "unknown state 'pw'");
-  refused({"--dt", "0.0005"}, "quadtune lqr: --dt: estimator general: gyroscope.lag is 0.01469");
+  refused({"--dt", "0.0005"},
+          "quadtune lqr: --dt is too short for the estimator: gyroscope.lag is 0.01469");
   refused({"--structure", "matri"}, "--structure is 'matri', expected dynamic or matrix");
   for (const char* option : {"--past", "--change", "--integral"})
     refused({"--structure", "matrix", option, "1"},

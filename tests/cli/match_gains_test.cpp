@@ -154,7 +154,7 @@ TEST_F(MatchGainsVerb, SaysNoWhereNoWeightsGiveTheGain) {
   EXPECT_EQ(match(kDesign, forced).status, 1);
   EXPECT_TRUE(std::filesystem::exists(file));
   // A remaining difference is accepted with a larger tolerance.
-  EXPECT_EQ(match(kDesign, {"--tie", "x,psi", "--tolerance", "10"}).status, 0);
+  EXPECT_EQ(match(kDesign, {"--tie", "x,psi", "--tolerance", "0.99"}).status, 0);
 }
 
 TEST_F(MatchGainsVerb, TellsPeopleTheSame) {
@@ -227,7 +227,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   refused(with({"--tie", "x"}), 2, "--tie: a tie has 1 weight; expected 2 or more");
   refused(with({"--tie", "x,y", "--tie", "y,z"}), 2, "--tie: 'y' is in more than one tie");
   refused(with({"--tie", "x,w1"}), 2, "--tie: 'x' and 'w1' are tied; expected only states");
-  refused(with({"--tolerance", "0"}), 2, "--tolerance is 0, expected a positive number");
+  refused(with({"--tolerance", "0"}), 2, "--tolerance is 0, expected more than 0 and less than 1");
   refused(with({"--R", "0"}), 2, "--R has a 0; expected positive entries");
   refused(with({"--Q", "1,2"}), 2, "quadtune tune lqr: --Q has 2 entries, expected 16");
   refused(with({"--method", "discreet"}), 2, "did you mean 'discrete'?");

@@ -197,11 +197,13 @@ TEST(MeasuredMargins, DefectsOfTheFileAreNamedByLine) {
               HasSubstr("bad.csv:1: the columns are w, re, expected re and im"));
   EXPECT_THAT(message("w,re,im,mag,phase_deg\n1,1,0,1,0\n"),
               HasSubstr("bad.csv:1: the response is given twice"));
-  EXPECT_THAT(message("re,im\n"), HasSubstr("bad.csv:1: has no column of frequencies, expected w"));
+  EXPECT_THAT(message("re,im\n"),
+              HasSubstr("bad.csv:1: the columns are re, im, expected one named w (in rad/s) or f"));
   EXPECT_THAT(message("w,re,im\n1,2,3\n1,2,3\n"),
               HasSubstr("bad.csv:3: the frequency is 1 after 1, expected"));
   EXPECT_THAT(message("f,re,im\n0,2,3\n"), HasSubstr("bad.csv:2: the frequency is 0, expected"));
-  EXPECT_THAT(message("w,f,re,im\n"), HasSubstr("bad.csv:1: has both columns w and f"));
+  EXPECT_THAT(message("w,f,re,im\n"),
+              HasSubstr("bad.csv:1: the columns are w, f, re, im, expected only one named w"));
   EXPECT_THAT(message("w,mag,phase_deg\n1,-2,3\n"),
               HasSubstr("bad.csv:2: mag is -2, expected 0 or more; a column in decibels"));
   EXPECT_THAT(message("w,re,im\n1,2\n"), HasSubstr("bad.csv:2: 2 entries, expected 3"));
@@ -342,7 +344,7 @@ TEST(Place, OfADoubleIntegrator) {
   EXPECT_NEAR(placed["K"][0][0], 5, 1e-12);
   EXPECT_NEAR(placed["K"][0][1], 2, 1e-12);
   EXPECT_EQ(run_program({"place", "--A", "1", "--B", "0", "--poles", "-1"}).status, 4);
-  expect_refused({"place", "--A", "1", "--B", "1", "--poles", "x"}, "'x' is not a number");
+  expect_refused({"place", "--A", "1", "--B", "1", "--poles", "x"}, "'x' is not a pole");
   expect_refused({"place", "--A", "1", "--B", "1"}, "--poles is missing");
   EXPECT_THAT(run_program({"place", "--A", "1", "--B", "1", "--poles", "2"}).err,
               HasSubstr("the pole 2 is not in the left half-plane"));

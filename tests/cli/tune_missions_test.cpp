@@ -286,7 +286,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   };
   refuses({"tune", "pid"}, 2, "expected a vehicle");
   refuses({"tune", "pid", "mambo", "--gains", "published"}, 2,
-          "expected --mission NAME, or --requirements FILE");
+          "--mission is missing, expected one, or requirements with [[mission]]");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hovr"}, 3,
           "did you mean 'hover'?");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--budget", "-1"},
@@ -321,7 +321,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--method", "continuous"}, 2,
           "--method is continuous, expected discrete or sampled");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
-          "--inputs other than wrench requires --Q or --R");
+          "--inputs rotor-speed requires --Q or --R");
   refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
           "--report applies to flights");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");

@@ -160,7 +160,7 @@ TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   const ProgramResult other =
       run_program({"export", design, "--to", "json", "-o", out + "2", "--imu-calibration", file});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("--imu-calibration applies to --to uquad only"));
+  EXPECT_THAT(other.err, HasSubstr("--imu-calibration applies to the format uquad only"));
 }
 
 TEST_F(VerifyManifest, NoticesSwappedInputs) {
@@ -270,11 +270,17 @@ TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
   const ProgramResult other = run_program({"verify", out, "--design", design});
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.out, HasSubstr("FAIL inputs are those of the manifest: " + design + " has"));
-  EXPECT_THAT(run_program({"verify", out, "--design",
-                           testing::source_folder() + "/designs/mambo-hover.toml"})
-                  .err,
-              HasSubstr("--design is 'mambo-hover.toml', expected one of the manifest's inputs: "
-                        "uquad-hover.toml, uquad.toml"));
+  EXPECT_THAT(
+      run_program(
+          {"verify", out, "--design", testing::source_folder() + "/designs/mambo-hover.toml"})
+          .err,
+      HasSubstr("--design is 'mambo-hover.toml', expected 'uquad-hover.toml', from which the "
+                "export was made"));
+  // The vehicle of the export is an input as well, but not a design.
+  EXPECT_THAT(
+      run_program({"verify", out, "--design", testing::source_folder() + "/vehicles/uquad.toml"})
+          .err,
+      HasSubstr("--design is 'uquad.toml', expected 'uquad-hover.toml'"));
   std::filesystem::current_path(here);
 }
 

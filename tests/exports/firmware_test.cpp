@@ -224,7 +224,7 @@ TEST(Firmware, BetaflightRoundsAndSaysSo) {
   EXPECT_THAT(written.notes, Contains(HasSubstr("p_roll is rounded from 40.0678 to 40 (-0.17 %)")));
   gains.loops[index_of(CascadeAxis::yaw)].Kd = -1e-4;  // p_yaw 0.07
   EXPECT_THAT([&] { (void)firmware_parameters(betaflight, vehicle, gains); },
-              ThrowsMessage<InvalidInput>(HasSubstr("expected 1 to 250")));
+              ThrowsMessage<InvalidInput>(HasSubstr("expected a whole number from 1 to 250")));
 }
 
 TEST(Firmware, NoiseDensityIsAStepsDeviation) {

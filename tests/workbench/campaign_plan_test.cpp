@@ -90,11 +90,12 @@ TEST(CampaignPlan, AnotherPlanInTheFolderIsRefused) {
   const std::string folder = (directory.path() / "out").string();
   directory.write("lead.toml", kLead);
   write_campaign(make_campaign(directory.write("c.toml", kCampaign), 2), folder);
+  EXPECT_THAT([&] { write_campaign(make_campaign(directory.path() / "c.toml", 3), folder); },
+              ThrowsMessage<InvalidInput>(HasSubstr("its number of shards is 2 and not 3")));
   EXPECT_THAT(
-      [&] { write_campaign(make_campaign(directory.path() / "c.toml", 3), folder); },
-      ThrowsMessage<InvalidInput>(HasSubstr("shards is 2 in the folder and 3 in the request")));
-  EXPECT_THAT([&] { (void)make_campaign(directory.path() / "c.toml", 4); },
-              ThrowsMessage<OptionError>("shards is 4, expected at most 3, the number of flights"));
+      [&] { (void)make_campaign(directory.path() / "c.toml", 4); },
+      ThrowsMessage<OptionError>(
+          "shards is 4, expected at most 3, the number of draws in the campaign file (flights)"));
 }
 
 }  // namespace

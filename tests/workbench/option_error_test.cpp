@@ -44,7 +44,7 @@ TEST(OptionError, CarriesTheKeyAndBeginsWithIt) {
       {&FlightOptions::sensors, "reel", "sensors", "sensors is 'reel', expected ideal or real"},
       {&FlightOptions::flow, "none", "flow", "flow: no flow model 'none', expected "},
       {&FlightOptions::wind, "storm", "wind", "wind: no wind 'storm', expected "},
-      {&FlightOptions::solver, "rk", "solver", "solver: no integrator 'rk', expected "},
+      {&FlightOptions::solver, "rk", "solver", "solver: no solver 'rk', expected "},
       {&FlightOptions::integrator, "rk", "integrator", "integrator: no method 'rk', expected "},
       {&FlightOptions::controller, "mpc", "controller", "controller is 'mpc', expected "}};
   for (const Refusal& refusal : refusals) {

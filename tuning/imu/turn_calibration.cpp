@@ -348,6 +348,22 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
                   internal::joined(result.unseen, ", "), internal::joined(result.missing, ", "));
 }
 
+/// Says which turn another channel than its own measures; empty if there is none.
+/// @param M  from raw samples to rates in the axes of the accelerometer
+std::string swapped_channels(const Eigen::Matrix3d& M) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Eigen::Index channel = 0;
+    M.row(axis).cwiseAbs().maxCoeff(&channel);
+    if (channel != axis)
+      return fmt::format(
+          "channel {} of the gyroscope measures the turn about {} of the accelerometer, expected "
+          "channel {}; are the channels of both sensors listed in the order x,y,z of the same "
+          "axes?",
+          channel + 1, "xyz"[axis], axis + 1);
+  }
+  return "";
+}
+
 void Fitter::finish(SensorCalibration& result) {
   Vector residuals;
   const Matrix J = jacobian(residuals);
@@ -360,6 +376,11 @@ void Fitter::finish(SensorCalibration& result) {
   for (int i = 0; i < 9; ++i) {
     result.M(i / 3, i % 3) = scale * x_.gyro[static_cast<std::size_t>(i)];
     result.M_error(i / 3, i % 3) = std::abs(scale) * errors(i);
+  }
+  result.culprit = swapped_channels(result.M);
+  if (!result.culprit.empty()) {
+    result.status = CalibrationStatus::no_match;
+    return;
   }
   const NormScaling& scaling = problem_.accelerometer.scaling;
   for (int i = 0; i < 3; ++i) {

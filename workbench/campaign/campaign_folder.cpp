@@ -39,19 +39,28 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
   try {
     there = Json::parse(internal::read_file(plan.string(), kLimit));
   } catch (const internal::JsonError&) {
-    return "";
+    return "; use a new folder for this one";
   }
-  if (!there.is_object()) return "";
+  if (!there.is_object()) return "; use a new folder for this one";
   const Json here = Json::parse(asked->bytes);
   for (const std::string& key : here.keys()) {
     const Json& value = here[key];
     if (there.contains(key) && there[key] == value) continue;
+    if (key == "shards" && there.contains(key)) {
+      const std::string number = internal::json_text(there[key]);
+      return fmt::format(
+          ": its number of shards is {} and not {}; expected --shards {}, which continues it, or a "
+          "new folder",
+          number, internal::json_text(value), number);
+    }
     const bool numbers = there.contains(key) && there[key].is_primitive();
-    return numbers ? fmt::format(": {} is {} in the folder and {} in the request", key,
-                                 internal::json_text(there[key]), internal::json_text(value))
-                   : fmt::format(": {} differs", key);
+    return numbers ? fmt::format(
+                         ": {} is {} in the folder and {} in the request; use a new folder for "
+                         "this one",
+                         key, internal::json_text(there[key]), internal::json_text(value))
+                   : fmt::format(": {} differs; use a new folder for this one", key);
   }
-  return "";
+  return "; use a new folder for this one";
 }
 
 /// "done", "running", "stopped", "damaged" or "waiting".
@@ -69,10 +78,7 @@ void require_same(const fs::path& folder, const std::vector<FileContent>& files)
   for (const FileContent& content : files) {
     const fs::path path = folder / content.name;
     if (!is_there(path) || internal::read_file(path.string(), kLimit) != content.bytes)
-      throw InvalidInput(plan.string(),
-                         fmt::format("belongs to another campaign{}; use a new folder for "
-                                     "this one",
-                                     difference_of(plan, files)));
+      throw InvalidInput(plan.string(), "belongs to another plan" + difference_of(plan, files));
   }
 }
 

@@ -259,7 +259,7 @@ class PlanMaker {
     }
     if (shards > request_.flights)
       throw OptionError("shards", fmt::format("shards is {}, expected at most {}, the number "
-                                              "of flights",
+                                              "of draws in the campaign file (flights)",
                                               shards, request_.flights));
     return shards;
   }

@@ -35,6 +35,13 @@ namespace quadtune::internal {
   return 0.5 * rotor_lag(vehicle);
 }
 
+/// Whether the lag of the motors limits how fast and how well damped the tilt loops are, so that a
+/// lead of the rate helps.
+[[nodiscard]] inline bool has_slow_motors(const Vehicle& vehicle) {
+  constexpr double kSlow = 0.02;  // [s], four periods: a shorter lead is lost in sampling
+  return rotor_lag(vehicle) >= kSlow;
+}
+
 }  // namespace quadtune::internal
 
 namespace quadtune {

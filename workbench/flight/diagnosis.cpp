@@ -147,8 +147,7 @@ bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events
 /// The vehicle as an argument of a command: a file, or a built-in name.
 std::string vehicle_of(const PlannedFlight& plan) {
   if (!plan.options.vehicle.empty()) return plan.options.vehicle;
-  const Vehicle& vehicle = plan.setup.vehicle;
-  return vehicle.file.empty() ? vehicle.name : vehicle.file.string();
+  return place_of(plan.setup.vehicle);
 }
 
 std::string mission_of(const PlannedFlight& plan) {
@@ -297,7 +296,8 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     }
     case FlightCause::motor_limits:
       diagnosis.why = fmt::format(
-          "a motor is at its limit for {:.0f} % of the flight with true states: the gains require "
+          "the flight was repeated with true states: a motor is then at its limit for {:.0f} % of "
+          "the time, so the gains require "
           "more than the motors can produce, or the mission more than the vehicle can fly",
           100 * evidence.saturation_with_true_states);
       diagnosis.next = fmt::format("`{}` finds gains within the limits", tune_command(plan));

@@ -10,6 +10,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/linearize/trim.hpp"
 #include "quadtune/loop_limits.hpp"
 #include "quadtune/simulation/uquad_flight.hpp"
 #include "quadtune/workbench/firmware/firmware_law.hpp"
@@ -198,6 +199,39 @@ void note_drifts(PlannedFlight& flight) {
                   lacks, flight.bound->horizontal_end, number(duration)));
 }
 
+/// Notes a limit of the settling time that no reference of the flight can meet.
+void note_short_flight(PlannedFlight& flight) {
+  const Mission& mission = flight.setup.mission;
+  const double duration = duration_of(flight.setup);
+  const bool limited =
+      std::any_of(mission.limits.begin(), mission.limits.end(),
+                  [](const Limit& limit) { return limit.metric == Metric::settling_time; });
+  if (limited && duration < mission.settling.window)
+    flight.notes.push_back(fmt::format(
+        "every flight fails the limit of the settling time, which requires a constant reference "
+        "for {} s; the flight lasts {} s",
+        number(mission.settling.window), number(duration)));
+}
+
+/// Notes parts of the wind that do not act on this flight.
+void note_unused_wind(PlannedFlight& flight) {
+  const Wind& wind = flight.setup.environment.wind;
+  const bool gust = !wind.gust.velocity.isZero(0);
+  const double duration = duration_of(flight.setup);
+  if (gust && wind.gust.start >= duration)
+    flight.notes.push_back(
+        fmt::format("the gust begins at {} s, after the flight, which ends at "
+                    "{} s",
+                    number(wind.gust.start), number(duration)));
+  const Gust usual;
+  if (!gust && (wind.gust.start != usual.start || wind.gust.length != usual.length))
+    flight.notes.emplace_back(
+        "gust_at and gust_length of the wind have no effect without gust_north, gust_east or "
+        "gust_down");
+  if (wind.turbulence == 0 && wind.turbulence_height != Wind().turbulence_height)
+    flight.notes.emplace_back("turbulence_height of the wind has no effect without turbulence");
+}
+
 /// Sets up the estimator of an autopilot, which a general filter approximates.
 void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFlight& flight) {
   const bool truth = setup.estimator == EstimatorKind::truth;
@@ -274,6 +308,10 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   PlannedFlight flight;
   FlightSetup& setup = flight.setup;
   flight.options = options;
+  // The computation of a law shows that the vehicle can hover; a law from a file does not.
+  if (const TrimResult hover = trim(vehicle, FlightCondition{}); !hover.solved())
+    throw NoSolution(fmt::format("{}: no hover trim: {}", place_of(vehicle), hover.culprit),
+                     place_of(vehicle));
   setup.vehicle = vehicle;
   setup.mission = options.take_off == "thrust" ? with_thrust_take_off(mission) : mission;
   if (options.take_off == "climb") setup.mission.start.take_off_by = TakeOff::climb;
@@ -317,7 +355,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
     const std::string why = why_no_estimator(vehicle);
     if (setup.real_sensors && !why.empty())
       throw InvalidInput(
-          vehicle.file.empty() ? vehicle.name : vehicle.file.string(),
+          place_of(vehicle),
           why + "; expected such a sensor, or the estimator 'truth', which is the true state");
     flight.notes.push_back(fmt::format(
         "the sensors of '{}' do not suffice for any estimator: the law uses the true state",
@@ -342,6 +380,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   flight.bound = mission_bound(setup);
   if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
   if (flight.bound && setup.real_sensors) note_drifts(flight);
+  note_short_flight(flight);
   return flight;
 }
 
@@ -349,7 +388,9 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                           const std::string& who) {
   require_flight_words(options);
   const Mission mission = load_mission(options.mission);
-  return plan_flight(options, vehicle, mission, choose_law(options, vehicle, who));
+  PlannedFlight flight = plan_flight(options, vehicle, mission, choose_law(options, vehicle, who));
+  note_unused_wind(flight);
+  return flight;
 }
 
 PlannedFlight plan_flight(const FlightOptions& options, const std::string& who) {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/workbench/flown/flown_family.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/linearize/trim.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 
@@ -22,7 +26,18 @@ FlightSetup hover_of(const Vehicle& vehicle, double dt, const std::string& estim
   return plan_flight(options, vehicle, load_mission("hover"), ChosenLaw{law, "none"}).setup;
 }
 
+/// Empty if the vehicle can hover.
+std::string why_no_hover(const Vehicle& vehicle) {
+  const TrimResult hover = trim(vehicle, FlightCondition{});
+  return hover.solved() ? "" : hover.culprit;
+}
+
 }  // namespace
+
+std::string why_no_reserve(Vehicle vehicle) {
+  vehicle.mass *= kHeaviest;
+  return why_no_hover(vehicle);
+}
 
 std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs, double dt,
                                             const std::string& estimator) {
@@ -37,10 +52,10 @@ std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind in
                                 [](const Rotor& rotor) { return slower_lag(rotor) > 0; });
   if (lags) {
     family.push_back({"20 % lighter, lag 40 % longer", 1.1, 0.8, 1.4, false, {}});
-    family.push_back({"20 % heavier, lag 40 % shorter", 1.1, 1.2, 0.6, false, {}});
+    family.push_back({"20 % heavier, lag 40 % shorter", 1.1, kHeaviest, 0.6, false, {}});
   } else {
     family.push_back({"20 % lighter", 1.1, 0.8, 1, false, {}});
-    family.push_back({"20 % heavier", 1.1, 1.2, 1, false, {}});
+    family.push_back({"20 % heavier", 1.1, kHeaviest, 1, false, {}});
   }
   const auto build = [&](std::size_t i) {
     FlownFamilyMember& member = family[i];
@@ -52,6 +67,12 @@ std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind in
         rotor.lag *= member.lag;
         rotor.lag_down *= member.lag;  // NaN (same lag both ways) stays NaN
       }
+      if (const std::string why = why_no_hover(*setup.flown); !why.empty())
+        throw NoSolution(
+            fmt::format("{}: gains on the flown plant must also hold the vehicle with {:.0f} % of "
+                        "its mass, which cannot hover: {}",
+                        place_of(vehicle), 100 * member.mass, why),
+            place_of(vehicle));
     }
     FlownPlantOptions options;
     options.inputs = inputs;

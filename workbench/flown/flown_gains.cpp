@@ -287,6 +287,14 @@ void add_notes(FlownGains& gains, const Vehicle& vehicle, const FlownGainsOption
   }
 }
 
+/// The cause of a loop that no gains stabilize, with the sensor that is missing, if one is.
+std::string not_stabilized(const Vehicle& vehicle, const FlownAxisGains& axis) {
+  const std::string lacks = general_filter_lacks(vehicle.sensors);
+  return fmt::format("{}: {}: no gains were found that stabilize the flown loop {}{}",
+                     place_of(vehicle), to_string(axis.axis), axis.search.culprit,
+                     lacks.empty() ? "" : "; the sensors have " + lacks);
+}
+
 }  // namespace
 
 double FlownGains::Ms() const {
@@ -314,10 +322,7 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
   internal::in_parallel(kFlownAxes.size(), internal::thread_count(0), [&] { return one; }, {});
   for (const FlownAxisGains& axis : result.axes)
     if (axis.search.status == FixedGainsStatus::unstable_start)
-      throw NoSolution(fmt::format("{}: {}: no gains were found that stabilize the flown loop "
-                                   "{}",
-                                   vehicle.name, to_string(axis.axis), axis.search.culprit),
-                       vehicle.name);
+      throw NoSolution(not_stabilized(vehicle, axis), place_of(vehicle));
   add_notes(result, vehicle, options);
   return result;
 }

@@ -87,7 +87,7 @@ Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
   states.reserve(gains.states.size());
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
-  return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, vehicle.name);
+  return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, place_of(vehicle));
 }
 
 VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {

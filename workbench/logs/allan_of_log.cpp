@@ -47,6 +47,12 @@ Eigen::Index unwrap(Eigen::VectorXd& angle, double turn) {
   return jumps;
 }
 
+/// "m/s2" and "m/s^2" are the same unit.
+std::string without_carets(std::string unit) {
+  std::erase(unit, '^');
+  return unit;
+}
+
 AllanRecord read(const AllanOptions& options) {
   SensorLog log = read_sensors(options.log, {options.column}, {}, options.reading, options.note);
   const LogSeries& series = log.series.front();
@@ -55,6 +61,13 @@ AllanRecord read(const AllanOptions& options) {
   const std::string unit = options.unit.empty() ? series.unit : options.unit;
   const double dt = even_period(series, name);
   AllanRecord record{name, series.name, unit, values, dt, std::move(log.warnings)};
+  if (!series.unit.empty() && without_carets(unit) != without_carets(series.unit)) {
+    record.warnings.push_back(fmt::format(
+        "{}: '{}' is in {} according to the log, but unit is {}; the values are not converted",
+        name, internal::printable(series.name), internal::printable(series.unit),
+        internal::printable(unit)));
+    if (options.note) options.note("warning: " + record.warnings.back());
+  }
   if (!options.phase) return record;
   record.phase = true;
   record.unit = unit_of_rate(unit);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -99,6 +100,28 @@ void require_three(const std::optional<ChannelNames>& names, const char* sensor,
                                           internal::counted(names->size(), "column"), expected));
 }
 
+/// Each channel belongs to one axis of one sensor.
+void require_distinct(const ImuChannels& channels) {
+  const ChannelNames usual = {"ax", "ay", "az"};
+  const ChannelNames none;
+  const std::pair<const char*, const ChannelNames&> sensors[] = {
+      {"accelerometer", channels.accelerometer ? *channels.accelerometer : usual},
+      {"gyroscope", channels.gyroscope ? *channels.gyroscope : none},
+      {"magnetometer", channels.magnetometer ? *channels.magnetometer : none}};
+  std::map<std::string, std::string> owners;  // of the channels that are listed
+  for (const auto& [sensor, names] : sensors)
+    for (const std::string& name : names) {
+      const auto [owner, added] = owners.emplace(name, sensor);
+      if (added) continue;
+      const std::string shown = internal::printable(name);
+      throw OptionError(
+          sensor, owner->second == sensor
+                      ? fmt::format("{} lists '{}' twice, expected three channels", sensor, shown)
+                      : fmt::format("{} lists '{}', a channel of the {}, expected others", sensor,
+                                    shown, owner->second));
+    }
+}
+
 ImuLog read_log(const std::string& path, const ImuLogOptions& options,
                 std::vector<std::string>& warnings) {
   const ImuChannels& channels = options.channels;
@@ -146,6 +169,7 @@ CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
   require_three(accelerometer, "accelerometer", "3 (x,y,z)");
   require_three(options.channels.gyroscope, "gyroscope");
   require_three(options.channels.magnetometer, "magnetometer");
+  require_distinct(options.channels);
   CalibratedImu result;
   result.options = options.calibration;
   if (options.made_up) {
@@ -154,8 +178,17 @@ CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
   } else {
     for (const std::string& path : options.logs)
       result.logs.push_back(read_log(path, options, result.warnings));
+    require_different_logs(options.logs);
   }
   result.found = calibrate_imu(result.logs, options.calibration);
+  // From the equator to a pole, and up to 5 km above the sea.
+  if (!(options.calibration.gravity > 9.76 && options.calibration.gravity < 9.84)) {
+    result.warnings.push_back(
+        fmt::format("gravity is {} m/s^2, expected 9.76 to 9.84, the range on Earth, because the "
+                    "scales are proportional to it",
+                    options.calibration.gravity));
+    if (options.note) options.note("warning: " + result.warnings.back());
+  }
   const std::string where = options.made_up ? "--simulate" : options.logs.front();
   require_solved(result.found.accelerometer, "accelerometer", where);
   require_solved(result.found.gyroscope, "gyroscope", where);

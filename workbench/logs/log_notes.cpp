@@ -26,7 +26,8 @@ std::vector<std::string> noted_log_warnings(const LogCondition& condition, const
                                             const LogNote& note) {
   std::vector<std::string> lines = log_warnings(condition);
   for (std::string& line : lines) {
-    line.insert(0, internal::printable(file) + ": ");
+    const std::string start = internal::printable(file) + ": ";
+    if (!line.starts_with(start)) line.insert(0, start);
     if (note) note("warning: " + line);
   }
   return lines;

@@ -16,6 +16,7 @@
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
+#include "quadtune/workbench/logs/sensor_log.hpp"
 
 namespace quadtune {
 namespace {
@@ -202,6 +203,7 @@ NoiseLogs read_noise_logs(FilterModel model, const NoiseLogOptions& options) {
   const std::vector<Signal> by_name = fed_by_name(model, options.channels);
   for (const std::string& path : options.logs)
     result.logs.push_back(FlightReader(path, model, options).read(by_name, result.left_out));
+  require_different_logs(options.logs);
   leave_unmeasured(model, result.logs, options.note);
   result.model = std::move(model);
   return result;

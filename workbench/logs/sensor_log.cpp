@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
 #include "quadtune/workbench/logs/missing_option.hpp"
@@ -29,6 +31,24 @@ void require_timed(const LogSeries& series, const std::string& file) {
 }  // namespace
 
 std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
+
+void require_different_logs(const std::vector<std::string>& paths) {
+  if (paths.size() < 2) return;
+  std::map<std::string, std::string> first_with;
+  for (const std::string& path : paths) {
+    const auto [other, added] = first_with.emplace(sha256_of_file(path), path);
+    if (added) continue;
+    const std::string shown = internal::printable(path);
+    throw OptionError(
+        "log", other->second == path
+                   ? fmt::format("log lists {} twice, expected each log once, because its samples "
+                                 "would count twice",
+                                 shown)
+                   : fmt::format("log: {} and {} have the same content, expected different logs, "
+                                 "because samples would count twice",
+                                 internal::printable(other->second), shown));
+  }
+}
 
 SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
                        const std::vector<std::string>& optional, LogOptions options,

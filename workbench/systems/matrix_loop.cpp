@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <type_traits>
 #include <utility>
@@ -187,7 +188,19 @@ struct DataColumns {
   std::size_t count = 0;
 };
 
-DataColumns columns_of(const std::vector<std::string>& words, const std::string& where) {
+/// A name with its unit, as headers of logs have it, is the name alone.
+std::string without_unit(const std::string& word) {
+  static const std::map<std::string, std::string> names = {{"f[Hz]", "f"},
+                                                           {"w[rad/s]", "w"},
+                                                           {"mag[dB]", "mag_db"},
+                                                           {"phase[deg]", "phase_deg"},
+                                                           {"phase[rad]", "phase_rad"}};
+  const auto found = names.find(word);
+  return found == names.end() ? word : found->second;
+}
+
+DataColumns columns_of(std::vector<std::string> words, const std::string& where) {
+  std::transform(words.begin(), words.end(), words.begin(), without_unit);
   DataColumns columns;
   columns.count = words.size();
   const std::pair<const char*, int*> known[] = {{"w", &columns.w},
@@ -208,9 +221,10 @@ DataColumns columns_of(const std::vector<std::string>& words, const std::string&
   const auto given = [](int column) { return int{column >= 0}; };
   const int frequencies = given(columns.w) + given(columns.f);
   if (frequencies != 1)
-    throw InvalidInput(where, fmt::format("{}, expected w [rad/s] or f [Hz] in the first line",
-                                          frequencies == 0 ? "has no column of frequencies"
-                                                           : "has both columns w and f"));
+    throw InvalidInput(
+        where, fmt::format("the columns are {}, expected {} named w (in rad/s) or f (in Hz)",
+                           internal::printable(internal::joined(words, ", ")),
+                           frequencies == 0 ? "one" : "only one"));
   const bool cartesian = columns.re >= 0 && columns.im >= 0;
   const bool polar = given(columns.mag) + given(columns.mag_db) == 1 &&
                      given(columns.phase_deg) + given(columns.phase_rad) == 1;

@@ -4,9 +4,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/SVD>
+#include <filesystem>
+#include <optional>
 
+#include "quadtune/design.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/mixer.hpp"
+#include "quadtune/workbench/files/file_kind.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_family.hpp"
 
 namespace quadtune {
 
@@ -37,7 +43,36 @@ VehicleCheck check_vehicle(const std::string& name) {
                     check.warnings.empty() ? "" : "; " + to_string(check.warnings.front())),
         name);
   require_authority(check.vehicle, check.hover, name);
+  if (std::string why = why_no_estimator(check.vehicle); !why.empty())
+    check.obstacles.push_back(std::move(why));
+  if (const std::string why = why_no_reserve(check.vehicle); !why.empty())
+    check.obstacles.push_back(
+        fmt::format("`design`, `pid` and `lqr` require a hover with {:.0f} % of its mass: {}",
+                    100 * kHeaviest, why));
   return check;
+}
+
+std::vector<std::string> vehicle_warnings(const std::string& word) {
+  std::vector<std::string> warnings;
+  // The bytes of a pipe can be read only once, by the command itself.
+  std::error_code ignored;
+  const std::filesystem::path path = word;
+  if (path.extension() != ".toml" || !std::filesystem::is_regular_file(path, ignored))
+    return warnings;
+  try {
+    const std::optional<FileKind> kind = file_kind(word);
+    if (kind != FileKind::vehicle && kind != FileKind::design) return warnings;
+    const Vehicle vehicle =
+        kind == FileKind::vehicle ? load_vehicle(word) : load_design(word).vehicle;
+    if (vehicle.file.empty()) return warnings;
+    for (const Implausibility& figure : find_implausible_values(vehicle))
+      warnings.push_back(fmt::format("{}: {}", vehicle.file.string(), to_string(figure)));
+  } catch (const InvalidInput&) {
+    // The command reports an invalid file.
+  } catch (const FileError&) {
+    // So it does for one that cannot be read.
+  }
+  return warnings;
 }
 
 }  // namespace quadtune

@@ -142,12 +142,12 @@ std::string CertifiedLaw::reason() const {
                        describe(family, robustness.worst.parameters));
   if (flown_unstable())
     return fmt::format(
-        "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
-        flown->worst->estimator, describe(*flown->worst), describe(family, flown->parameters));
+        "{}: the flown loop, with sensors and the estimator {}, is unstable at {}: {}", name,
+        flown->worst->estimator, describe(family, flown->parameters), describe(*flown->worst));
   if (robustness.proof.proved()) return "";
   return fmt::format(
-      "{} is not proved, nor was an unstable loop found: {}; the worst found has "
-      "|z| {:.6f}, at {}",
+      "{}: neither a proof nor an unstable loop was found within the budget: {}; the worst loop "
+      "found has |z| {:.6f}, at {}",
       name, robustness.proof.culprit, robustness.worst.radius,
       describe(family, robustness.worst.parameters));
 }

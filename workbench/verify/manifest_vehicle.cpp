@@ -33,6 +33,23 @@ std::optional<Vehicle> vehicle_in(const fs::path& path, const ManifestFile& inpu
   }
 }
 
+/// A file of the vehicle with another hash than that in the manifest; empty if there is none.
+std::string changed_file(const std::string& directory, const Manifest& manifest) {
+  for (const fs::path& folder : folders_of_inputs(directory))
+    for (const ManifestFile& input : manifest.inputs) {
+      const fs::path path = folder / input.path;
+      std::error_code ignored;
+      if (path.extension() != ".toml" || !fs::is_regular_file(path, ignored)) continue;
+      try {
+        if (load_vehicle(path.string()).name == manifest.vehicle)
+          return path.lexically_proximate(fs::current_path()).string();
+      } catch (const std::exception&) {
+        continue;  // another input, such as the design, or an unreadable file
+      }
+    }
+  return "";
+}
+
 }  // namespace
 
 std::vector<fs::path> folders_of_inputs(const std::string& directory) {
@@ -58,11 +75,14 @@ Vehicle vehicle_of_manifest(const std::string& directory, const Manifest& manife
     for (const ManifestFile& input : manifest.inputs)
       if (std::optional<Vehicle> found = vehicle_in(folder / input.path, input, manifest.vehicle))
         return std::move(*found);
+  const std::string changed = changed_file(directory, manifest);
   throw OptionError(
       "vehicle",
       fmt::format("vehicle is missing, expected the file of '{}', the vehicle of the manifest, "
-                  "which is not built in; no file nearby has the hash in the manifest",
-                  printable(manifest.vehicle)));
+                  "which is not built in; {}",
+                  printable(manifest.vehicle),
+                  changed.empty() ? "no file nearby has the hash in the manifest"
+                                  : printable(changed, 200) + " was changed after the export"));
 }
 
 }  // namespace quadtune::internal

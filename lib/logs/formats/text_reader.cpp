@@ -305,7 +305,9 @@ class TextReader final : public LogReader {
     else if (zero_is_stray_ && ticks_[0].whole == 0 && ticks_[0].rest == 0)
       pass_over_stray();
     else if (std::isnan(time) && groups().front().timed)
-      skip_record(condition_, lines_.where() + ": the row has no time, expected a number");
+      skip_record(
+          condition_,
+          lines_.where() + ": the time of the row is missing or no number with a decimal point");
     else {
       block.time.push_back(time);
       if (!bad_in_row_.empty()) note_bad_fields();

@@ -264,10 +264,11 @@ TEST_F(Campaign, APlanDoesNotChange) {
       run_program({"campaign", "init", write(replaced(kCampaign, "seed = 4", "seed = 5"), "d.toml"),
                    path("out")});
   EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, HasSubstr("belongs to another campaign: seed is 4 in the folder and 5 "
+  EXPECT_THAT(result.err, HasSubstr("belongs to another plan: seed is 4 in the folder and 5 "
                                     "in the request; use a new folder"));
-  EXPECT_THAT(run_program({"campaign", "run", write(), path("out"), "--shards", "2"}).err,
-              HasSubstr("shards is 1 in the folder and 2 in the request"));
+  EXPECT_THAT(
+      run_program({"campaign", "run", write(), path("out"), "--shards", "2"}).err,
+      HasSubstr("its number of shards is 1 and not 2; expected --shards 1, which continues"));
   EXPECT_THAT(
       run_program({"campaign", "run",
                    write(replaced(kCampaign, "deviation = 0.05", "deviation = 0.06")), path("out")})
@@ -478,10 +479,11 @@ TEST_F(Campaign, NotesWhatFlyWouldNote) {
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.err,
             "campaign init: note: the file of 'crazyflie' has no [sensors]; assumed: accelerometer "
-            "200 Hz "
-            "0.05 m/s2, gyroscope 200 Hz 0.003 rad/s, magnetometer 100 Hz 0.5 uT, barometer 50 Hz "
-            "2.5 Pa, sonar 20 Hz 0.01 m, optical flow 60 Hz 0.02 rad/s, GPS 1 Hz 1 m 0.1 m/s 0.2 s "
-            "late\n");
+            "200 Hz 0.05 m/s2, gyroscope 200 Hz 0.003 rad/s, magnetometer 100 Hz 0.5 uT, barometer "
+            "50 Hz 2.5 Pa, sonar 20 Hz 0.01 m, optical flow 60 Hz 0.02 rad/s, GPS 1 Hz 1 m 0.1 m/s "
+            "0.2 s late\n"
+            "campaign init: note: every flight fails the limit of the settling time, which "
+            "requires a constant reference for 10 s; the flight lasts 1 s\n");
 }
 
 TEST_F(Campaign, RefusesBadCommandLines) {

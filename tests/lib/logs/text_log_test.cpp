@@ -145,7 +145,8 @@ TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
   EXPECT_THAT(log.group("").time, ElementsAre(0, 2));
   EXPECT_TRUE(std::isnan(log.group("").rows[0][0]));
   EXPECT_EQ(log.group("").rows[1][0], 3);
-  EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has no time, expected a number");
+  EXPECT_EQ(log.condition.first_skipped,
+            "f.log:3: the time of the row is missing or no number with a decimal point");
   EXPECT_THAT(
       log.condition.notes,
       ElementsAre(

@@ -129,7 +129,7 @@ TEST(Integrators, HaveNames) {
   EXPECT_EQ(to_string(Integrator::bogacki_shampine_3), "bogacki-shampine-3");
   EXPECT_THAT([] { (void)integrator("runge-kuta-4", "--integrator"); },
               ThrowsMessage<InvalidInput>(
-                  StrEq("--integrator: no integrator 'runge-kuta-4', expected euler, "
+                  StrEq("--integrator: no solver 'runge-kuta-4', expected euler, "
                         "bogacki-shampine-3, runge-kutta-4; did you mean 'runge-kutta-4'?")));
 }
 

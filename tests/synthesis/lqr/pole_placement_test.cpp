@@ -128,6 +128,21 @@ TEST(PlacePoles, PolesFarAwayAreDistinguishedFromModesThatCannotMove) {
 }
 
 // A pair is placed at two real modes together, of which no input moves the second.
+// In double precision, a pole at -5 is lost beside one at -1e15.
+TEST(PlacePoles, EachPoleIsAccurateForItsOwnSize) {
+  const Eigen::Matrix2d A{{0, 1}, {0, 0}};
+  const Eigen::Vector2d B(0, 1);
+  for (const double far : {1e3, 1e6, 1e9}) {
+    const PolePlacement placed = place_poles(A, B, Eigen::Vector2cd(-far, -5));
+    EXPECT_TRUE(placed.solved()) << far << placed.culprit;
+  }
+  for (const double far : {1e15, 1e17}) {
+    const PolePlacement placed = place_poles(A, B, Eigen::Vector2cd(-far, -5));
+    EXPECT_EQ(placed.status, PolePlacementStatus::inaccurate) << far;
+    EXPECT_NE(placed.culprit.find("or from one another"), std::string::npos);
+  }
+}
+
 TEST(PlacePoles, OfTwoModesTheUncontrollableOneIsNamed) {
   for (const double fixed : {2.0, 0.5}) {
     const PolePlacement placed =

@@ -158,7 +158,7 @@ TEST(Care, NamesTheUncontrollableMode) {
   c.B.row(9).setZero();  // no roll torque
   const RiccatiResult r = solve_case(c, false, named(testing::small_hover_names()));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: y, roll, vy and p cannot be controlled");
+  EXPECT_EQ(r.culprit, "mode at 0: a combination of y, roll, vy and p cannot be controlled");
   EXPECT_TRUE(r.X.array().isNaN().all());
   EXPECT_TRUE(r.K.array().isNaN().all());
   EXPECT_EQ(r.poles.size(), 0);
@@ -169,7 +169,7 @@ TEST(Care, NamesADoubleIntegratorWithoutInput) {
   const RiccatiResult r = care(A, matrix({{0}, {0}, {1}}), MatrixXd::Identity(3, 3), matrix({{1}}),
                                MatrixXd(), named({"y", "vy", "w"}));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: y and vy cannot be controlled");
+  EXPECT_EQ(r.culprit, "mode at 0: a combination of y and vy cannot be controlled");
 }
 
 // Two integrals of the same output: only one of them is controllable.
@@ -178,7 +178,7 @@ TEST(Care, NamesAnUncontrollableIntegral) {
   const RiccatiResult r = care(A, matrix({{0}, {1}, {0}, {0}}), MatrixXd::Identity(4, 4),
                                matrix({{1}}), MatrixXd(), named({"y", "vy", "int a", "int b"}));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
-  EXPECT_EQ(r.culprit, "mode at 0: int a and int b cannot be controlled");
+  EXPECT_EQ(r.culprit, "mode at 0: a combination of int a and int b cannot be controlled");
 }
 
 TEST(Care, NamesTheModeUnobservableThroughQ) {
@@ -198,17 +198,17 @@ TEST(Dare, NamesTheCulprits) {
   RiccatiCase unsteered = testing::small_hover_sampled(0.01);
   unsteered.B.col(3).setZero();
   EXPECT_EQ(solve_case(unsteered, true, options).culprit,
-            "mode at 1: yaw and r cannot be controlled");
+            "mode at 1: a combination of yaw and r cannot be controlled");
 }
 
 TEST(Care, NamesOscillatingModes) {
   const RiccatiResult growing = care(matrix({{0.1, 2}, {-2, 0.1}}), matrix({{0}, {0}}),
                                      MatrixXd::Identity(2, 2), matrix({{1}}));
-  EXPECT_EQ(growing.culprit, "mode at 0.1 ± 2i: state 1 and state 2 cannot be controlled");
+  EXPECT_EQ(growing.culprit, "mode at 0.1 ± 2i: a combination of state 1 and state 2 cannot be controlled");
   const RiccatiResult unseen =
       care(matrix({{0, 2}, {-2, 0}}), matrix({{0}, {1}}), MatrixXd::Zero(2, 2), matrix({{1}}));
   EXPECT_EQ(unseen.status, RiccatiStatus::not_detectable);
-  EXPECT_EQ(unseen.culprit, "mode at ±2i: state 1 and state 2 are not observable through Q");
+  EXPECT_EQ(unseen.culprit, "mode at ±2i: a combination of state 1 and state 2 is not observable through Q");
 }
 
 TEST(Care, NamesMeasurementsForAFilter) {

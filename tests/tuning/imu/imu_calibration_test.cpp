@@ -309,15 +309,19 @@ TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
   EXPECT_THAT(c.missing, ElementsAre("a turn about z with z level"));
 }
 
-// Axes that differ from those of the accelerometer: no scale makes the turns match.
-TEST(CalibrateImu, RejectsAGyroscopeWithOtherAxes) {
-  SimulatedImu made = simulate_imu();
-  made.log.gyroscope.row(0).swap(made.log.gyroscope.row(1));
-  const SensorCalibration c = calibrate_imu({made.log}).gyroscope;
-  if (c.solved())  // solved by a matrix that swaps them back, which is right as well
-    EXPECT_NEAR(std::abs(c.M(0, 1)), made.gyroscope.M(0, 0), 1e-4);
-  else
-    EXPECT_THAT(c.culprit, HasSubstr("are its axes those of the accelerometer?"));
+// Channels in another order than those of the accelerometer: a matrix that swaps them back fits the
+// turns, but its diagonal, whose inverse is K, is 0.
+TEST(CalibrateImu, RejectsChannelsInAnotherOrder) {
+  for (const auto& [a, b] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    for (const bool gyroscope : {true, false}) {
+      SimulatedImu made = simulate_imu();
+      auto& sensor = gyroscope ? made.log.gyroscope : made.log.accelerometer;
+      sensor.row(a).swap(sensor.row(b));
+      const SensorCalibration c = calibrate_imu({made.log}).gyroscope;
+      EXPECT_EQ(c.status, CalibrationStatus::no_match) << a << b << gyroscope;
+      EXPECT_THAT(c.culprit, HasSubstr(" of the accelerometer")) << a << b << gyroscope;
+    }
+  }
 }
 
 TEST(CalibrateImu, CombinesSeveralLogs) {

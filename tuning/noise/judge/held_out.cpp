@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "noise/log_gamma.hpp"
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
@@ -105,7 +106,8 @@ HoldOut judge_held_out(const FilterModel& model, const std::vector<FilterRun>& b
         "the held-out part is less likely than before: {:.4g} per innovation instead of {:.4g}",
         result.after, result.before);
   } else if (compared.count < kMinHeldOut) {
-    result.reason = fmt::format("{} innovations held out, too few for a verdict", compared.count);
+    result.reason = fmt::format("{} held out, expected at least {} for a verdict",
+                                internal::counted(compared.count, "innovation"), kMinHeldOut);
   } else {
     result.verdict = CheckVerdict::pass;
   }

@@ -123,8 +123,12 @@ class AdjointPass {
     if (instants_ == nullptr) {
       const Transition<N>& step = model_.transitions[record_.transition[k]];
       Square<N>& by_Q = sums.by_Q[record_.transition[k]];  // += ½ (r rᵀ - N)
-      add_outer<N>(0.5, r_.at, r_.at, by_Q);
-      add_scaled<N * N>(-0.5, N_.at, by_Q.at);
+      if (model_.diagonal_noise) {
+        for (int i = 0; i < N; ++i) by_Q(i, i) += 0.5 * (r_.at[i] * r_.at[i] - N_(i, i));
+      } else {
+        add_outer<N>(0.5, r_.at, r_.at, by_Q);
+        add_scaled<N * N>(-0.5, N_.at, by_Q.at);
+      }
       predict(step.F_transposed);
       return;
     }

@@ -169,6 +169,9 @@ inline constexpr double kMaxCommandDelay = 10;  ///< maximum delay of a command 
 /// @throws InvalidInput  with the field, its value, the expected range and the reason.
 void validate(const Vehicle& vehicle, const std::string& where);
 
+/// The place of a vehicle in messages: its file, or the name of a built-in vehicle.
+[[nodiscard]] std::string place_of(const Vehicle& vehicle);
+
 /// Maximum size of a vehicle file [bytes].
 inline constexpr std::size_t kVehicleFileLimit = std::size_t{1} << 20;
 

@@ -82,7 +82,7 @@ struct RiccatiResult {
   /// otherwise it is an upper bound, computed only if rcond < 1e-12, and NaN if not computed.
   /// Infinite if the rounding decides whether a solution exists.
   double gain_error = std::numeric_limits<double>::quiet_NaN();
-  std::string culprit;  ///< e.g. "mode at 0: y and vy cannot be controlled"; empty when solved
+  std::string culprit;  ///< e.g. "mode at 0: y cannot be controlled"; empty when solved
   /// e.g. "Q has eigenvalue -0.1, …", or that the equation is ill-conditioned (rcond < 1e-12, or
   /// gain_error > 1e-6) with the possible relative error of K; empty if there is no warning.
   std::string warning;

@@ -21,6 +21,13 @@ struct FlownFamilyMember {
   FlownPlant plant;     ///< with the member's mass, lag and height
 };
 
+/// The largest factor on the mass of a member.
+inline constexpr double kHeaviest = 1.2;
+
+/// Why the vehicle with kHeaviest times its mass cannot hover, so that it has no family; empty if it
+/// can.
+[[nodiscard]] std::string why_no_reserve(Vehicle vehicle);
+
 /// The members, with the vehicle's own sensors. Heights differ only if the estimator uses a sensor
 /// that depends on the height.
 /// @param vehicle    valid
@@ -29,6 +36,7 @@ struct FlownFamilyMember {
 /// @param estimator  as FlightOptions::estimator; empty: the vehicle's usual one
 /// @throws InvalidInput  as flown_plant()
 /// @throws OptionError   if the estimator is unknown
+/// @throws NoSolution    if a member cannot hover
 [[nodiscard]] std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs,
                                                           double dt,
                                                           const std::string& estimator = "");

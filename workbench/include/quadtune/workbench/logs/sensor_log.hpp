@@ -14,6 +14,12 @@ namespace quadtune {
 /// The name of a file in messages: "standard input" for "-", otherwise the path.
 [[nodiscard]] std::string log_name(const std::string& path);
 
+/// Requires that no two files have the same content, whose samples would count twice.
+/// @param paths  files that exist
+/// @throws OptionError  naming the two
+/// @throws FileError
+void require_different_logs(const std::vector<std::string>& paths);
+
 /// Channels of a sensor, and the warnings of the logs' readers.
 struct SensorLog {
   std::vector<LogSeries> series;      ///< in the order of the names

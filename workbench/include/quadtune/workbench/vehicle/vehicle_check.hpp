@@ -16,6 +16,7 @@ struct VehicleCheck {
   Vehicle vehicle;                       ///< that can fly
   TrimResult hover;                      ///< solved
   std::vector<Implausibility> warnings;  ///< values outside their plausible ranges
+  std::vector<std::string> obstacles;    ///< why `design`, `pid` or `fly` reject the vehicle
 };
 
 /// A vehicle cannot hold a hover unless its rotors change thrust and all three torques
@@ -31,5 +32,11 @@ void require_authority(const Vehicle& vehicle, const TrimResult& hover, const st
 /// @throws InvalidInput, FileError  as load_vehicle()
 /// @throws NoSolution               "NAME: cannot hover: …", or as require_authority()
 [[nodiscard]] VehicleCheck check_vehicle(const std::string& name);
+
+/// Warnings about the vehicle of a command, because gains for implausible values are useless.
+/// @param word  a word of the command line
+/// @return  "FILE: …" for each value outside its plausible range, if the word is the path of a
+///          valid vehicle file (.toml), or of a valid design file for a vehicle file
+[[nodiscard]] std::vector<std::string> vehicle_warnings(const std::string& word);
 
 }  // namespace quadtune
