@@ -102,8 +102,9 @@ void run_fly(Options& options, Context& context) {
   if (options.compiled && options.flight.estimator == "truth")
     plan.notes.emplace_back("the program has no estimator and is given the true state");
   context.notes("note: ", plan.notes);
-  if (const std::string changed = changed_export(options.flight.gains); !changed.empty())
-    context.note("note: " + changed);
+  for (const std::string& changed : {changed_export(options.flight.gains),
+                                     changed_vehicle(options.flight.gains, plan.setup.vehicle)})
+    if (!changed.empty()) context.note("note: " + changed);
   if (options.seeds > 1) {
     tell_many(flown(options, plan), context);
     return;

@@ -132,7 +132,10 @@ TEST_F(LikelyMistakes, AVehicleFileThatWasChangedAfterTheExport) {
   ASSERT_EQ(run_program({"export", vehicle, "--to", "json", "--quiet", "-o", path("out")}).status,
             0);
   EXPECT_EQ(run_program({"verify", path("out"), "--quiet"}).status, 0);
+  EXPECT_THAT(run_program({"fly", vehicle, "--gains", path("out")}).err, Not(HasSubstr("changed")));
   std::ofstream(vehicle, std::ios::app) << "# heavier now\n";
+  EXPECT_THAT(run_program({"fly", vehicle, "--gains", path("out")}).err,
+              HasSubstr(vehicle + " was changed after the export to " + path("out")));
   const ProgramResult verified = run_program({"verify", path("out"), "--quiet"});
   EXPECT_EQ(verified.status, 2);
   EXPECT_THAT(verified.err, HasSubstr("mine.toml was changed after the export"));
