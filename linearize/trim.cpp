@@ -163,6 +163,16 @@ void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimRe
         curve.min_speed(), curve.min_speed() - curve.speed(thrust));
 }
 
+// The number of rotors that turn in the same direction, if they are not half of them.
+// @param yaw  torque about yaw for each thrust
+std::string directions_of(const Eigen::RowVectorXd& yaw) {
+  const Eigen::Index n = yaw.size();
+  const Eigen::Index one_way = std::max((yaw.array() > 0).count(), (yaw.array() < 0).count());
+  if (2 * one_way <= n) return "";
+  return fmt::format("; {} of {} rotors turn in the same direction, expected half of them", one_way,
+                     n);
+}
+
 // Explains a missing balance: whether thrusts that carry the weight cannot cancel the torques.
 void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::Index n = problem.rotors();
@@ -182,8 +192,9 @@ void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, Tr
     result.status = TrimStatus::no_authority;
     result.culprit = fmt::format(
         "{} cannot be balanced: thrusts that carry the weight and balance the torques as far as "
-        "possible leave a torque of {:.3g} N m",
-        kAxes[axis], worst * problem.weight() * problem.arm());
+        "possible leave a torque of {:.3g} N m{}",
+        kAxes[axis], worst * problem.weight() * problem.arm(),
+        axis == 2 ? directions_of(torques.row(2)) : "");
     return;
   }
   result.status = TrimStatus::no_convergence;
