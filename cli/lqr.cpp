@@ -202,8 +202,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--B FILE", options.B, "inputs (nx x nu)");
   line.add_option(
       "--Q FILE|LIST", options.vehicle.Q,
-      "state weights: a matrix file, or with V a list with the integrals last; a single number "
-      "applies to all; default with V: Bryson's rule, or 1 on the ideal plant");
+      "state weights: a matrix file, or with V a list with the integrals last, or one number for "
+      "all; default with V: Bryson's rule, or 1 on the ideal plant");
   line.add_option("--R FILE|LIST", options.vehicle.R,
                   "input weights, as --Q; > 0, or with --discrete >= 0 if R + B'SB is nonsingular");
   line.add_option("--N FILE", options.N, "cross weights (nx x nu); default: 0");

@@ -83,7 +83,7 @@ void run_place(const Options& options, Context& context) {
   if (const std::string pole = unstable_pole(options, poles); !pole.empty())
     context.note(fmt::format("warning: the closed loop is unstable: the pole {} is not {}", pole,
                              options.dt ? "inside the unit circle; with --dt, poles are those in z"
-                                        : "in the left half-plane"));
+                                        : "in the left half-plane; discrete A and B require --dt"));
   context.print([&] { return to_json(placement); },
                 [&] { return to_text(placement, options.dt.value_or(0)); });
 }

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Householder>
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/Polynomials>
+#include <utility>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/balance.hpp"
@@ -97,10 +97,31 @@ DiscreteLti with_input_delay(const DiscreteLti& plant, Index delay) {
   return delayed;
 }
 
-/// Zeros of [A - λI, b; c, d]. As long as d is 0, the state must not have a component along c, so
-/// the row of the dynamics along c is the derivative of the output, which becomes the new output:
-/// one state less, the same zeros (Emami-Naeini, Van Dooren 1982, for one channel). If d is not 0,
-/// the zeros are the eigenvalues of A - b c/d.
+/// The relative degree of c (λI - A)⁻¹ b + d: the number of vanishing Markov parameters d, c b,
+/// c A b, …. A parameter vanishes if it is below the rounding of its sum of products, so that parts
+/// of very different size, such as a chain of slow and fast lags, are not mistaken for one another.
+/// @param A, b, c, d  scaled: b and c are as large as A
+/// @return  more than the number of states if all vanish
+Index relative_degree(const MatrixXd& A, VectorXd b, const VectorXd& c, double d) {
+  const Index n = A.rows();
+  const double rounding = 1e-13 * static_cast<double>(n + 1);
+  const double size = A.norm() > 0 ? A.norm() : 1;
+  if (std::abs(d) > rounding * size) return 0;
+  VectorXd magnitudes = b.cwiseAbs();
+  const MatrixXd scaled = A / size, sizes = scaled.cwiseAbs();
+  for (Index k = 1; k <= n; ++k) {
+    if (std::abs(c.dot(b)) > rounding * c.cwiseAbs().dot(magnitudes)) return k;
+    b = (scaled * b).eval();
+    magnitudes = (sizes * magnitudes).eval();
+  }
+  return n + 1;
+}
+
+/// Zeros of [A - λI, b; c, d]. As long as d is 0, the output c x must remain 0, which eliminates a
+/// state, and its derivative becomes the new output: one state less, the same zeros (as Emami-Naeini,
+/// Van Dooren 1982, for one channel). The elimination pivots, so that it keeps entries that are 0,
+/// and the digits of slow states beside fast ones. If d is not 0, the zeros are the eigenvalues of
+/// A - b c/d.
 VectorXcd zeros_of(MatrixXd A, VectorXd b, VectorXd c, double d) {
   const VectorXd scale = internal::balance(A);
   A = (scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal()).eval();
@@ -114,22 +135,24 @@ VectorXcd zeros_of(MatrixXd A, VectorXd b, VectorXd c, double d) {
   b *= size / in;
   c *= size / out;
   d *= size / in * (size / out);
-  const double rounding = 1e-13 * static_cast<double>(A.rows() + 1) * size;
+  const Index end = A.rows() - relative_degree(A, b, c, d);  // the number of zeros
+  if (end <= 0) return {};
   for (Index n = A.rows();; --n) {
-    if (std::abs(d) > rounding)
-      return n == 0 ? VectorXcd() : VectorXcd((A - b * c.transpose() / d).eigenvalues());
-    if (n == 0 || c.norm() <= rounding) return {};
-    // An orthogonal U with cᵀ U = (0 … 0 ±‖c‖).
-    VectorXd reflector = c;
-    reflector[n - 1] += std::copysign(c.norm(), c[n - 1]);
-    reflector.normalize();
-    A -= 2 * reflector * (reflector.transpose() * A).eval();
-    A -= (2 * (A * reflector) * reflector.transpose()).eval();
-    b -= 2 * reflector * reflector.dot(b);
-    c = A.row(n - 1).head(n - 1);
-    d = b[n - 1];
-    A = A.topLeftCorner(n - 1, n - 1).eval();
-    b = b.head(n - 1).eval();
+    if (n == end) return (A - b * c.transpose() / d).eigenvalues();
+    // The output replaces the state that contributes most to it; then y = 0 and y' = 0.
+    Index pivot = 0;
+    c.cwiseAbs().maxCoeff(&pivot);
+    const Index last = n - 1;
+    A.row(pivot).swap(A.row(last));
+    A.col(pivot).swap(A.col(last));
+    std::swap(b[pivot], b[last]);
+    std::swap(c[pivot], c[last]);
+    const VectorXd share = c.head(last) / c[last];  // of the other states, at most 1
+    const Eigen::RowVectorXd slope = share.transpose() * A.topRows(last) + A.row(last);
+    d = share.dot(b.head(last)) + b[last];
+    c = slope.head(last).transpose() - slope[last] * share;
+    A = (A.topLeftCorner(last, last) - A.col(last).head(last) * share.transpose()).eval();
+    b = b.head(last).eval();
   }
 }
 

@@ -28,8 +28,9 @@ using Range = std::pair<double, double>;
 std::string text(const Range& range) { return fmt::format("{}:{}", range.first, range.second); }
 
 CertifyReport certify_directory(const Path& directory, const std::optional<VehicleWord>& vehicle,
-                                const std::string& controller, const Range& mass,
-                                const Range& inertia, const Range& thrust,
+                                const std::string& controller, const std::optional<Range>& mass,
+                                const std::optional<Range>& inertia,
+                                const std::optional<Range>& thrust,
                                 const std::optional<Range>& delay, const std::optional<Range>& lag,
                                 const std::optional<std::string>& integrator,
                                 const std::string& plant, int budget, std::uint64_t seed,
@@ -37,9 +38,9 @@ CertifyReport certify_directory(const Path& directory, const std::optional<Vehic
   CertifyOptions options;
   if (vehicle) options.vehicle = vehicle->text;
   options.controller = controller_kind(controller);
-  options.mass = uncertain_ratios(text(mass), "mass");
-  options.inertia = uncertain_ratios(text(inertia), "inertia");
-  options.thrust = uncertain_ratios(text(thrust), "thrust");
+  if (mass) options.mass = uncertain_ratios(text(*mass), "mass");
+  if (inertia) options.inertia = uncertain_ratios(text(*inertia), "inertia");
+  if (thrust) options.thrust = uncertain_ratios(text(*thrust), "thrust");
   if (delay) options.delay = uncertain_delay(text(*delay), "delay");
   if (lag) options.lag = uncertain_lag(text(*lag), "lag");
   if (integrator) options.integrator = pid_method(*integrator, "integrator");
@@ -95,15 +96,15 @@ void add_certify(py::module_& module) {
       [](const CertifyReport& report) { return report::to_text(report); });
   module.def(
       "certify", &certify_directory, "directory"_a, py::kw_only(), "vehicle"_a = py::none(),
-      "controller"_a = "", "mass"_a = Range{0.9, 1.1}, "inertia"_a = Range{0.8, 1.2},
-      "thrust"_a = Range{0.9, 1.1}, "delay"_a = py::none(), "lag"_a = py::none(),
-      "integrator"_a = py::none(), "plant"_a = "flown", "budget"_a = CertifyOptions().max_boxes,
-      "seed"_a = 1, "threads"_a = 0,
+      "controller"_a = "", "mass"_a = py::none(), "inertia"_a = py::none(), "thrust"_a = py::none(),
+      "delay"_a = py::none(), "lag"_a = py::none(), "integrator"_a = py::none(),
+      "plant"_a = "flown", "budget"_a = CertifyOptions().max_boxes, "seed"_a = 1, "threads"_a = 0,
       "Prove the loops of an export stable for every vehicle of a box, or find one that is\n"
       "not.\n\n"
       "directory: of an export. vehicle: where the manifest's is not built in. controller:\n"
       "\"state-feedback\" or \"cascaded-pid\", where both were exported. mass, inertia,\n"
-      "thrust: (low, high) > 0, ratios to the vehicle's file. delay >= 0 of the loop and lag\n"
+      "thrust: (low, high) > 0, ratios to the vehicle's file; default: those of its [spread], or\n"
+      "0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1. delay >= 0 of the loop and lag\n"
       ">= 0 of the motors: (low, high) [s]; default: up to one period, and that of the\n"
       "vehicle. integrator of a cascade: \"euler\", \"backward-euler\" or \"tustin\". plant:\n"
       "\"flown\" or \"ideal\". budget: boxes that a proof may inspect. threads: 0 for one of\n"

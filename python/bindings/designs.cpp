@@ -243,7 +243,7 @@ void add_export(py::module_& module) {
       "schedule. to: \"uquad\", \"mambo\", \"json\", \"mat\", \"c\", \"px4\", \"ardupilot\",\n"
       "\"betaflight\" or \"crazyflie\". directory: where the files are written. vehicle: where\n"
       "the source does not name one. With to=\"c\": name of the functions, precision\n"
-      "\"single\" or \"double\", law and adapter. With to=\"uquad\": imu_calibration, a file,\n"
+      "\"float\" or \"double\", law and adapter. With to=\"uquad\": imu_calibration, a file,\n"
       "and constants. With an autopilot: firmware, its version, setup and filter_noise. force:\n"
       "also a design that does not pass. docs/cli.md explains them, as options of `quadtune\n"
       "export`. Raises InvalidInput for a wrong argument or source, and for gains that do not\n"

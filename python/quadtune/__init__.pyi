@@ -1853,13 +1853,14 @@ def campaign(file: Path, folder: Optional[Path] = None, *, shards: int = 0, thre
     "file:line" for a wrong file, NoSolution if a design of it has none, FileError if
     files cannot be read or written."""
 
-def certify(directory: Path, *, vehicle: Optional[VehicleLike] = None, controller: str = '', mass: Tuple[float, float] = (0.9, 1.1), inertia: Tuple[float, float] = (0.8, 1.2), thrust: Tuple[float, float] = (0.9, 1.1), delay: Optional[Tuple[float, float]] = None, lag: Optional[Tuple[float, float]] = None, integrator: Optional[str] = None, plant: str = 'flown', budget: int = 20000, seed: int = 1, threads: int = 0) -> Certificate:
+def certify(directory: Path, *, vehicle: Optional[VehicleLike] = None, controller: str = '', mass: Optional[Tuple[float, float]] = None, inertia: Optional[Tuple[float, float]] = None, thrust: Optional[Tuple[float, float]] = None, delay: Optional[Tuple[float, float]] = None, lag: Optional[Tuple[float, float]] = None, integrator: Optional[str] = None, plant: str = 'flown', budget: int = 20000, seed: int = 1, threads: int = 0) -> Certificate:
     """Prove the loops of an export stable for every vehicle of a box, or find one that is
     not.
 
     directory: of an export. vehicle: where the manifest's is not built in. controller:
     "state-feedback" or "cascaded-pid", where both were exported. mass, inertia,
-    thrust: (low, high) > 0, ratios to the vehicle's file. delay >= 0 of the loop and lag
+    thrust: (low, high) > 0, ratios to the vehicle's file; default: those of its [spread], or
+    0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1. delay >= 0 of the loop and lag
     >= 0 of the motors: (low, high) [s]; default: up to one period, and that of the
     vehicle. integrator of a cascade: "euler", "backward-euler" or "tustin". plant:
     "flown" or "ideal". budget: boxes that a proof may inspect. threads: 0 for one of
@@ -1917,7 +1918,7 @@ def export(source: Path, to: str, directory: Path, *, vehicle: Optional[VehicleL
     schedule. to: "uquad", "mambo", "json", "mat", "c", "px4", "ardupilot",
     "betaflight" or "crazyflie". directory: where the files are written. vehicle: where
     the source does not name one. With to="c": name of the functions, precision
-    "single" or "double", law and adapter. With to="uquad": imu_calibration, a file,
+    "float" or "double", law and adapter. With to="uquad": imu_calibration, a file,
     and constants. With an autopilot: firmware, its version, setup and filter_noise. force:
     also a design that does not pass. docs/cli.md explains them, as options of `quadtune
     export`. Raises InvalidInput for a wrong argument or source, and for gains that do not

@@ -58,17 +58,20 @@ LyapunovResult solve(Time time, const internal::ConstRef& A, const internal::Con
     return result;
   }
   const double rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(A.rows());
-  const double size = continuous ? A.norm() : 1 + A.squaredNorm();
   const Pair worst = worst_pair(time, schur.eigenvalues());
-  Eigen::MatrixXd X;
-  bool singular = !(worst.distance > rounding * size);
-  if (!singular) {
-    X = schur.solve(Q);
-    X = (0.5 * (X + X.transpose())).eval();
-    // A solution this large is dominated by rounding errors, e.g. with Jordan blocks at 0.
-    singular = !X.allFinite() || X.norm() * rounding * size > Q.norm();
-  }
-  if (singular) {
+  Eigen::MatrixXd X = schur.solve(Q);
+  X = (0.5 * (X + X.transpose())).eval();
+  // In units in which the diagonal of X is 1, so that the units of the states do not matter.
+  Eigen::VectorXd units = X.diagonal().cwiseAbs().cwiseSqrt();
+  units = (units.array() > 0 && units.array().isFinite()).select(units, 1.0);
+  const auto unit = units.asDiagonal();
+  const auto per_unit = units.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd A_units = per_unit * A * unit;
+  const double size = continuous ? A_units.norm() : 1 + A_units.squaredNorm();
+  // A solution this large is dominated by rounding errors, e.g. with Jordan blocks at 0.
+  const bool too_large =
+      (per_unit * X * per_unit).norm() * rounding * size > (per_unit * Q * per_unit).norm();
+  if (!X.allFinite() || too_large || !(worst.distance > rounding * size)) {
     const auto text = [&](std::complex<double> value) {
       const auto snap = [&](double x) { return std::abs(x) <= 10 * rounding * size ? 0.0 : x; };
       return internal::format_number({snap(value.real()), snap(value.imag())});

@@ -189,6 +189,14 @@ CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
                     options.calibration.gravity));
     if (options.note) options.note("warning: " + result.warnings.back());
   }
+  if (const SensorCalibration& gyroscope = result.found.gyroscope;
+      gyroscope.solved() && (gyroscope.K.array() < 0).all()) {
+    result.warnings.emplace_back(
+        "all three scales of the gyroscope are negative: the channels of both sensors may be "
+        "listed "
+        "in the order of a left-handed frame, for example y,x,z");
+    if (options.note) options.note("warning: " + result.warnings.back());
+  }
   const std::string where = options.made_up ? "--simulate" : options.logs.front();
   require_solved(result.found.accelerometer, "accelerometer", where);
   require_solved(result.found.gyroscope, "gyroscope", where);

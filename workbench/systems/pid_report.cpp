@@ -48,8 +48,10 @@ Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& re
   if (!design.solved())
     throw NoSolution(fmt::format("pid: {}: {}", to_string(design.status), design.culprit),
                      "--crossover");
-  return {design.gains, fmt::format("{} for a crossover of {} rad/s and a phase margin of {} deg",
+  // The gain of a P is determined by the crossover alone.
+  return {design.gains, fmt::format("{} for a crossover of {} rad/s and a phase margin of {}{} deg",
                                     to_string(request.type), short_number(asked.crossover),
+                                    request.type == PidType::P ? "at least " : "",
                                     short_number(asked.phase_margin))};
 }
 

@@ -132,6 +132,30 @@ TEST(TransmissionZeros, AreTheNumerators) {
     }
 }
 
+// A chain of lags has no zeros, whatever their speeds and gains.
+TEST(TransmissionZeros, OfAChainOfSlowAndFastLagsAreNone) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> exponent(-2, 2);
+  for (Eigen::Index n = 2; n <= 8; ++n)
+    for (int i = 0; i < 50; ++i) {
+      ContinuousLti plant;
+      plant.A = Eigen::MatrixXd::Zero(n, n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        plant.A(k, k) = -std::pow(10, exponent(random));
+        if (k + 1 < n) plant.A(k, k + 1) = i % 2 == 0 ? 1 : std::pow(10, exponent(random));
+      }
+      plant.B = Eigen::VectorXd::Unit(n, n - 1);
+      plant.C = Eigen::RowVectorXd::Unit(n, 0);
+      EXPECT_EQ(transmission_zeros(plant, 0, 0).size(), 0) << plant.A;
+      // With the second state as output as well, one zero: that of 1 + (s + a)/g.
+      plant.C(0, 1) = 1;
+      const Eigen::VectorXcd one = transmission_zeros(plant, 0, 0);
+      ASSERT_EQ(one.size(), 1) << plant.A;
+      const double zero = plant.A(0, 0) - plant.A(0, 1);
+      EXPECT_NEAR(one[0].real(), zero, 1e-12 * std::abs(zero)) << plant.A;
+    }
+}
+
 TEST(TransmissionZeros, OfAChannelOfSeveral) {
   // y1 = 1/s u1, y2 = (s + 3)/s u1 + 1/s² u2
   ContinuousLti plant;

@@ -67,6 +67,27 @@ TEST(Lyapunov, RandomEquations) {
   }
 }
 
+// In other units of a state, the equation has the same solution in these units.
+TEST(Lyapunov, DoesNotDependOnTheUnitsOfTheStates) {
+  const MatrixXd slow = (MatrixXd(2, 2) << -1, 1, 0, -2).finished();
+  const MatrixXd sampled = (MatrixXd(2, 2) << 0.9998, 1, 0, 0.9998).finished();
+  const MatrixXd Q = (MatrixXd(2, 2) << 0, 0, 0, 1).finished();
+  for (const double unit : {1e-8, 1e-3, 1e2, 1e8}) {
+    const MatrixXd D = Eigen::Vector2d(unit, 1).asDiagonal();
+    const MatrixXd inverse = D.inverse();
+    const LyapunovResult continuous = lyapunov_continuous(D * slow * inverse, D * Q * D);
+    ASSERT_EQ(continuous.status, LyapunovStatus::solved) << unit << continuous.culprit;
+    EXPECT_THAT(inverse * continuous.X * inverse, MatrixNear(lyapunov_continuous(slow, Q).X, 1e-12))
+        << unit;
+    const LyapunovResult discrete = lyapunov_discrete(D * sampled * inverse, D * Q * D);
+    ASSERT_EQ(discrete.status, LyapunovStatus::solved) << unit << discrete.culprit;
+    const MatrixXd expected = lyapunov_discrete(sampled, Q).X;
+    EXPECT_THAT(inverse * discrete.X * inverse / expected.norm(),
+                MatrixNear(expected / expected.norm(), 1e-9))
+        << unit;
+  }
+}
+
 TEST(Lyapunov, NamesThePairThatMakesItSingular) {
   const MatrixXd Q = MatrixXd::Identity(2, 2);
   const LyapunovResult mirrored =
