@@ -198,8 +198,12 @@ void require_one_loop(const Options& options, const CommandLine& line) {
   if (line.was_given("--integrator") && !options.dt && !options.time.sampled)
     refuse("--integrator",
            "--integrator requires a discrete loop, expected --dt or --sampled with it");
-  if (options.has_fraction() && !options.controller.given() && line.was_given("--cut"))
-    refuse("--cut", "--cut requires matrices or a controller");
+  const bool plain = options.has_fraction() && !options.controller.given();
+  if ((plain || !options.frd.empty()) && line.was_given("--cut"))
+    refuse("--cut", "--cut requires {}",
+           plain ? "matrices or a controller" : "a model of the loop");
+  if (!options.frd.empty() && options.dt && !options.controller.given())
+    refuse("--dt", "--dt with --frd is the period of a controller, expected --pid or another one");
   if (!options.flight.gains.empty() && !options.has_vehicle())
     refuse("--gains", "--gains requires a vehicle; expected `margins V --gains FILE`");
 }

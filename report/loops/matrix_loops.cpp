@@ -48,6 +48,13 @@ std::string sampled_name(const char* signal, Eigen::Index steps) {
   return steps == 0 ? fmt::format("{}[k]", signal) : fmt::format("{}[k-{}]", signal, steps);
 }
 
+std::string deviations_text(const MatrixLqgReport& report) {
+  if (!std::isfinite(report.cost)) return section("mean cost", "not computed");
+  return section("mean cost", number(report.cost) + (report.dt > 0 ? " per step" : "")) +
+         section("rms", fmt::format("states {}; inputs {}", numbers(report.state_rms),
+                                    numbers(report.input_rms)));
+}
+
 }  // namespace
 
 std::string peaks_text(const MarginsReport& report) {
@@ -134,10 +141,7 @@ std::string to_text(const MatrixLqgReport& report) {
   text += section("controller", "from y to -u, the states are the estimates") +
           section("A", plain(report.A)) + section("B", plain(report.B)) +
           section("C", plain(report.C)) + section("D", plain(report.D));
-  return text + section("poles", pole_table(report.poles, report.dt)) +
-         section("mean cost", number(report.cost) + (report.dt > 0 ? " per step" : "")) +
-         section("rms", fmt::format("states {}; inputs {}", numbers(report.state_rms),
-                                    numbers(report.input_rms))) +
+  return text + section("poles", pole_table(report.poles, report.dt)) + deviations_text(report) +
          section("margins", to_text(report.margins)) +
          section("evidence", fmt::format("residuals {:.2g} (lqr), {:.2g} (filter)",
                                          report.lqr.residual, report.filter.residual));

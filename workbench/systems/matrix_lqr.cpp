@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -151,6 +152,13 @@ void take_regulator(LqgRegulator<Lti> regulator, const Lti& plant, MatrixLqgRepo
   report.state_rms = regulator.state_rms;
   report.input_rms = regulator.input_rms;
   report.cost = regulator.cost;
+  if (!std::isfinite(report.cost))
+    report.messages.emplace_back(
+        "warning: the mean cost and the standard deviations are not computed: the covariance of "
+        "the "
+        "closed loop is lost to rounding; choose units that bring the entries of the matrices "
+        "closer "
+        "together");
   const OpenLoop loop(series(plant, regulator.controller));
   const Index nu = plant.B.cols();
   report.margins = margins_report(loop, numbered("u", nu),

@@ -294,6 +294,12 @@ TEST_F(LikelyMistakes, FrequencyDataMayHaveTheirUnitsInBrackets) {
   const ProgramResult a = run_program({"margins", "--frd", plain, "--quiet"});
   EXPECT_EQ(a.status, 0) << a.err;
   EXPECT_EQ(run_program({"margins", "--frd", units, "--quiet"}).out, a.out);
+  // Options that would have no effect.
+  EXPECT_EQ(run_program({"margins", "--frd", plain, "--cut", "outputs"}).err,
+            "quadtune margins: --cut requires a model of the loop\n");
+  EXPECT_EQ(run_program({"margins", "--frd", plain, "--dt", "0.01"}).err,
+            "quadtune margins: --dt with --frd is the period of a controller, expected --pid or "
+            "another one\n");
 }
 
 }  // namespace
