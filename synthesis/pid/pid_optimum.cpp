@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -117,6 +118,7 @@ class IntegralProblem : public internal::GainProblem {
   }
 
   [[nodiscard]] const LoopShape& shape() const { return shape_; }
+  [[nodiscard]] double Tf() const { return Tf_; }
 
  private:
   void forbid_with(const PidGains& base, double w, Complex P,
@@ -172,6 +174,42 @@ std::string unlimited(PidType type) {
       to_string(type));
 }
 
+/// The optimum to which the search climbs from a start; solved only if its loop meets the bounds.
+PidOptimum climbed(const IntegralProblem& problem, internal::GainSearch& search,
+                   const internal::GainPoint& start, const ContinuousTransferFunction& plant,
+                   PidType type, const PidBounds& bounds) {
+  PidOptimum optimum;
+  optimum.status = PidOptimumStatus::not_found;
+  optimum.culprit = fmt::format("the search found no {} whose loop is stable with {}",
+                                to_string(type), describe(bounds));
+  const GainPoint best = search.climb(start, {.over_Kd = type == PidType::PID});
+  const internal::MaxGain max = search.max(best);
+  if (!max.within_bounds()) return optimum;
+  const LoopShape& shape = problem.shape();
+  // A first-order loop is stable with any gain, also within a bound of the noise gain: the search
+  // then ends at the end of its grid. Any other loop may have its maximum at a Kp of almost 0.
+  PidBounds any_noise = bounds;
+  any_noise.noise_gain_max = std::numeric_limits<double>::infinity();
+  if (!(max.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp) &&
+      is_unbounded(plant, type, any_noise, problem.Tf())) {
+    optimum.status = PidOptimumStatus::unbounded;
+    optimum.culprit = unlimited(type);
+    return optimum;
+  }
+  const PidGains gains = problem.gains(best, max.log_gain);
+  if (!std::isfinite(gains.Ki) || !std::isfinite(gains.Kp) || !shape.stable(gains)) return optimum;
+  const SensitivityPeaks peaks = shape.peaks(gains);
+  constexpr double kMet = 1.001;
+  if (!(peaks.Ms <= kMet * bounds.Ms_max) || !(peaks.Mt <= kMet * bounds.Mt_max)) return optimum;
+  optimum.status = PidOptimumStatus::solved;
+  optimum.culprit.clear();
+  optimum.gains = gains;
+  optimum.Ms = peaks.Ms;
+  optimum.Mt = peaks.Mt;
+  optimum.noise_gain = shape.noise_gain(gains);
+  return optimum;
+}
+
 }  // namespace
 
 constexpr internal::EnumName<PidOptimumStatus> kPidOptimumStatuses[] = {
@@ -208,30 +246,29 @@ PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType ty
     return optimum;
   }
   const IntegralProblem problem(plant, type, bounds, Tf);
-  const LoopShape& shape = problem.shape();
   internal::GainSearch search(problem);
-  const GainPoint best =
-      search.climb(search.best_of(problem.starts()), {.over_Kd = type == PidType::PID});
-  const internal::MaxGain max = search.max(best);
+  optimum = climbed(problem, search, search.best_of(problem.starts()), plant, type, bounds);
+  // A loose bound forbids only a small region near -1, which the frequencies of the grid may miss,
+  // so that the climb ends where the loop is unstable. Gains within a tighter bound are within this
+  // one: the climb starts again from them.
+  constexpr double kLoose = 2;
+  if (std::isfinite(bounds.Ms_max) && bounds.Ms_max > kLoose) {
+    PidBounds tighter = bounds;
+    tighter.Ms_max = bounds.Ms_max > 2 * kLoose ? std::max(2 * kLoose, bounds.Ms_max / 2)
+                                                : std::max(kLoose, bounds.Ms_max / 1.2);
+    const PidOptimum inside = max_integral_gain(plant, type, tighter, Tf);
+    if (inside.solved()) {
+      const GainPoint start = {std::log(std::abs(inside.gains.Kp)),
+                               inside.gains.Kd == 0 ? 0 : std::log(std::abs(inside.gains.Kd))};
+      for (const PidOptimum& other : {climbed(problem, search, start, plant, type, bounds), inside})
+        if (other.solved() &&
+            (!optimum.solved() || std::abs(other.gains.Ki) > std::abs(optimum.gains.Ki)))
+          optimum = other;
+    }
+  }
   optimum.evaluations = search.evaluations();
-  if (!max.within_bounds()) {
-    optimum.status = PidOptimumStatus::not_found;
-    optimum.culprit = fmt::format("the search found no {} whose loop is stable with {}",
-                                  to_string(type), describe(bounds));
-    return optimum;
-  }
-  // A first-order loop is stable with any gain: the search then ends at the end of its grid.
-  if (!(max.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
-    optimum.status = PidOptimumStatus::unbounded;
-    optimum.culprit = unlimited(type);
-    return optimum;
-  }
-  optimum.status = PidOptimumStatus::solved;
-  optimum.gains = problem.gains(best, max.log_gain);
-  const SensitivityPeaks peaks = shape.peaks(optimum.gains);
-  optimum.Ms = peaks.Ms;
-  optimum.Mt = peaks.Mt;
-  optimum.noise_gain = shape.noise_gain(optimum.gains);
+  if (!optimum.solved()) return optimum;
+  optimum.binding.clear();
   const auto binds = [](double met, double bound) { return met > 0.999 * bound; };
   if (binds(optimum.Ms, bounds.Ms_max)) optimum.binding.emplace_back("Ms");
   if (binds(optimum.Mt, bounds.Mt_max)) optimum.binding.emplace_back("Mt");

@@ -119,6 +119,46 @@ TEST(GreatestIntegralGain, ReportsInfeasibleBounds) {
 
 // A controller that can make the loop K/s has no largest Ki: one with as many zeros as the plant
 // has poles, if all zeros of the plant are stable.
+// Gains within a tighter bound are within a looser one, however loose.
+TEST(GreatestIntegralGain, GrowsWithTheBound) {
+  const auto plant = [](std::initializer_list<double> den, double delay) {
+    ContinuousTransferFunction g;
+    g.num = Eigen::VectorXd::Ones(1);
+    g.den = Eigen::VectorXd::Map(den.begin(), static_cast<Eigen::Index>(den.size()));
+    g.delay = delay;
+    return g;
+  };
+  const ContinuousTransferFunction plants[] = {plant({1, 1}, 1), plant({1, 3, 3, 1}, 0),
+                                               plant({1, 0.4, 4}, 0.2)};
+  for (const ContinuousTransferFunction& g : plants) {
+    double smaller = 0;
+    for (const double Ms : {1.4, 2.0, 3.0}) {
+      PidBounds bounds;
+      bounds.Ms_max = Ms;
+      const PidOptimum optimum = max_integral_gain(g, PidType::PI, bounds);
+      ASSERT_TRUE(optimum.solved()) << Ms << optimum.culprit;
+      EXPECT_LE(optimum.Ms, 1.001 * Ms);
+      EXPECT_GE(optimum.gains.Ki, 0.999 * smaller) << Ms;
+      smaller = optimum.gains.Ki;
+    }
+  }
+}
+
+// The best Kp is almost 0: Ki has a maximum all the same.
+TEST(GreatestIntegralGain, IsFoundForALightlyDampedPlantWithDelay) {
+  ContinuousTransferFunction g;
+  g.num = Eigen::VectorXd::Ones(1);
+  g.den = Eigen::Vector3d(1, 0.4, 4);
+  g.delay = 0.2;
+  PidBounds bounds;
+  bounds.Ms_max = 1.4;
+  const PidOptimum optimum = max_integral_gain(g, PidType::PI, bounds);
+  ASSERT_TRUE(optimum.solved()) << optimum.culprit;
+  // A loop Ki/s G is stable up to Ki = 1.6 without the delay, by Routh.
+  EXPECT_GT(optimum.gains.Ki, 0.36);
+  EXPECT_LT(optimum.gains.Ki, 1.6);
+}
+
 TEST(GreatestIntegralGain, IsUnboundedWhereTheLoopCanBeAnIntegrator) {
   const auto status = [](const Eigen::VectorXd& num, const Eigen::VectorXd& den, PidType type,
                          double Tf = 0, PidBounds bounds = {.Ms_max = 1.4}) {
