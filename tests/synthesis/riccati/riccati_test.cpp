@@ -204,11 +204,13 @@ TEST(Dare, NamesTheCulprits) {
 TEST(Care, NamesOscillatingModes) {
   const RiccatiResult growing = care(matrix({{0.1, 2}, {-2, 0.1}}), matrix({{0}, {0}}),
                                      MatrixXd::Identity(2, 2), matrix({{1}}));
-  EXPECT_EQ(growing.culprit, "mode at 0.1 ± 2i: a combination of state 1 and state 2 cannot be controlled");
+  EXPECT_EQ(growing.culprit,
+            "mode at 0.1 ± 2i: a combination of state 1 and state 2 cannot be controlled");
   const RiccatiResult unseen =
       care(matrix({{0, 2}, {-2, 0}}), matrix({{0}, {1}}), MatrixXd::Zero(2, 2), matrix({{1}}));
   EXPECT_EQ(unseen.status, RiccatiStatus::not_detectable);
-  EXPECT_EQ(unseen.culprit, "mode at ±2i: a combination of state 1 and state 2 is not observable through Q");
+  EXPECT_EQ(unseen.culprit,
+            "mode at ±2i: a combination of state 1 and state 2 is not observable through Q");
 }
 
 TEST(Care, NamesMeasurementsForAFilter) {
