@@ -75,7 +75,8 @@ void run_kalman(const Options& options, Context& context) {
   const TimeArguments& time = options.time;
   require_one_time(time);
   if (time.count() == 0)
-    refuse("--discrete", "expected one of --discrete (A is discrete), --continuous, --sampled DT");
+    refuse("--discrete",
+           "the time of A is missing, expected --discrete, --continuous or --sampled DT");
   if (time.sampled) require_positive(*time.sampled, "--sampled");
   if (options.show_sampled && !time.sampled)
     refuse("--show-sampled", "--show-sampled requires --sampled DT");

@@ -67,7 +67,7 @@ void run_matrices(const CommandLine& line, const Options& options, Context& cont
   require_one_time(files.time);
   if (files.time.count() == 0)
     refuse("--discrete",
-           "expected one of --discrete (A and B are discrete), --continuous, --sampled DT");
+           "the time of A and B is missing, expected --discrete, --continuous or --sampled DT");
   if (files.time.sampled) require_positive(*files.time.sampled, "--sampled");
   if (options.common.dt && !files.time.discrete)
     refuse("--dt", "--dt with matrices requires --discrete");

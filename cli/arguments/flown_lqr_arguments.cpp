@@ -47,10 +47,11 @@ void require_positions(const std::vector<std::string>& integrals) {
         ned_convention().states[static_cast<std::size_t>(states_of(axis).front())].name);
   for (const std::string& name : integrals)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse("--integral",
-             "--integral: {} cannot be integrated, because it is 0 in every hover; expected some "
-             "of {}, or none",
-             name, internal::joined(known, " "));
+      refuse(
+          "--integral",
+          "--integral: the integral of {} cannot be controlled, because {} is 0 in hover; expected "
+          "names from {}, or none",
+          name, name, internal::joined(known, " "));
 }
 
 }  // namespace

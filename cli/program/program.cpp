@@ -43,6 +43,9 @@ const Verb* find(const std::string& name) {
   return found == all.end() ? nullptr : &*found;
 }
 
+/// ": No space left on device", the reason of the operating system for the last error, if known.
+std::string reason() { return errno == 0 ? "" : std::string(": ") + std::strerror(errno); }
+
 /// The first words of all commands.
 std::vector<std::string> verb_names() {
   std::vector<std::string> names;
@@ -110,8 +113,8 @@ void refuse_two_readers(const CommandLine& line) {
   }
 }
 
-/// The error that a user of the program understands, in place of one that names a parameter of a
-/// library. Throws the current exception if there is none.
+/// Throws an error that names the option in place of the current one, which names a parameter of a
+/// library. Any other exception is thrown again.
 [[noreturn]] void throw_for_user(const Verb& verb, const CommandLine& line) {
   try {
     throw;
@@ -248,13 +251,6 @@ std::string recorded_command(const std::vector<std::string>& args) {
   }
   return command;
 }
-
-}  // namespace
-
-namespace {
-
-/// ": No space left on device", the reason of the operating system for the last error, if known.
-std::string reason() { return errno == 0 ? "" : std::string(": ") + std::strerror(errno); }
 
 }  // namespace
 

@@ -64,9 +64,7 @@ std::string version_of(FirmwareKind kind, const std::string& asked, const std::s
     for (const std::string& known : versions.known)
       if (*number_of(known) <= *number) return known;
   throw InvalidInput(
-      where, fmt::format("{} has no version '{}', expected one of {}, or a newer version, which is "
-                         "read like the last of "
-                         "these that is not newer{}",
+      where, fmt::format("{} has no version '{}', expected one of {} or a later version{}",
                          to_string(kind), internal::printable(asked),
                          internal::joined(versions.known, ", "),
                          number ? ", because the parameters of older versions are unknown" : ""));

@@ -168,7 +168,7 @@ class Search {
         !known && arm_ > 0 && !kDistance.holds(distance)) {
       found_.push_back({"smallest distance between two rotors over the arm", "", distance,
                         kDistance.low, kDistance.high,
-                        "position_m of two rotors may be meant to be the same, or further apart"});
+                        "position_m of one of the two rotors may be wrong"});
       return;
     }
     const double w = rotor_speed_for_thrust(rotor, thrust_);

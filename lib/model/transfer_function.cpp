@@ -97,9 +97,10 @@ DiscreteLti with_input_delay(const DiscreteLti& plant, Index delay) {
   return delayed;
 }
 
-/// The relative degree of c (λI - A)⁻¹ b + d: the number of vanishing Markov parameters d, c b,
-/// c A b, …. A parameter vanishes if it is below the rounding of its sum of products, so that parts
-/// of very different size, such as a chain of slow and fast lags, are not mistaken for one another.
+/// The relative degree of c (λI - A)⁻¹ b + d: the number of Markov parameters d, c b, c A b, … that
+/// are 0 before the first one that is not. A parameter counts as 0 if it is below the rounding error
+/// of its own sum of products, because one tolerance for all is wrong for plants that have both slow
+/// and fast states.
 /// @param A, b, c, d  scaled: b and c are as large as A
 /// @return  more than the number of states if all vanish
 Index relative_degree(const MatrixXd& A, VectorXd b, const VectorXd& c, double d) {
@@ -138,7 +139,8 @@ VectorXcd zeros_of(MatrixXd A, VectorXd b, VectorXd c, double d) {
   const Index end = A.rows() - relative_degree(A, b, c, d);  // the number of zeros
   if (end <= 0) return {};
   for (Index n = A.rows();; --n) {
-    if (n == end) return (A - b * c.transpose() / d).eigenvalues();
+    if (n == end)
+      return d == 0 ? VectorXcd() : VectorXcd((A - b * c.transpose() / d).eigenvalues());
     // The output replaces the state that contributes most to it; then y = 0 and y' = 0.
     Index pivot = 0;
     c.cwiseAbs().maxCoeff(&pivot);
@@ -147,6 +149,7 @@ VectorXcd zeros_of(MatrixXd A, VectorXd b, VectorXd c, double d) {
     A.col(pivot).swap(A.col(last));
     std::swap(b[pivot], b[last]);
     std::swap(c[pivot], c[last]);
+    if (c[last] == 0) return {};
     const VectorXd share = c.head(last) / c[last];  // of the other states, at most 1
     const Eigen::RowVectorXd slope = share.transpose() * A.topRows(last) + A.row(last);
     d = share.dot(b.head(last)) + b[last];

@@ -125,10 +125,8 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
   response.grid = internal::loop_grid(
       {.roots = {periodic_poles(part.A), periodic_poles(closed_loop.A)}, .dt = loop.dt});
   response.discrete = true;
-  // A neutral mode, such as a velocity that no sensor observes, does not make the loop unstable,
-  // and rounding puts its pole on either side of the unit circle.
-  constexpr double kGrowth = 1e-4;  // [1/s], as for the flown loop
-  response.stable = poles.size() == 0 || std::log(poles.cwiseAbs().maxCoeff()) <= kGrowth * loop.dt;
+  response.stable =
+      poles.size() == 0 || std::log(poles.cwiseAbs().maxCoeff()) <= kNeutralGrowth * loop.dt;
   return internal::margins_of(response, skew);
 }
 

@@ -200,13 +200,16 @@ PidOptimum climbed(const IntegralProblem& problem, internal::GainSearch& search,
   if (!std::isfinite(gains.Ki) || !std::isfinite(gains.Kp) || !shape.stable(gains)) return optimum;
   const SensitivityPeaks peaks = shape.peaks(gains);
   constexpr double kMet = 1.001;
-  if (!(peaks.Ms <= kMet * bounds.Ms_max) || !(peaks.Mt <= kMet * bounds.Mt_max)) return optimum;
+  const double noise_gain = shape.noise_gain(gains);
+  if (!(peaks.Ms <= kMet * bounds.Ms_max) || !(peaks.Mt <= kMet * bounds.Mt_max) ||
+      !(noise_gain <= kMet * bounds.noise_gain_max))
+    return optimum;
   optimum.status = PidOptimumStatus::solved;
   optimum.culprit.clear();
   optimum.gains = gains;
   optimum.Ms = peaks.Ms;
   optimum.Mt = peaks.Mt;
-  optimum.noise_gain = shape.noise_gain(gains);
+  optimum.noise_gain = noise_gain;
   return optimum;
 }
 
@@ -252,11 +255,13 @@ PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType ty
   // so that the climb ends where the loop is unstable. Gains within a tighter bound are within this
   // one: the climb starts again from them.
   constexpr double kLoose = 2;
+  int evaluations = 0;  // within the tighter bounds
   if (std::isfinite(bounds.Ms_max) && bounds.Ms_max > kLoose) {
     PidBounds tighter = bounds;
     tighter.Ms_max = bounds.Ms_max > 2 * kLoose ? std::max(2 * kLoose, bounds.Ms_max / 2)
                                                 : std::max(kLoose, bounds.Ms_max / 1.2);
     const PidOptimum inside = max_integral_gain(plant, type, tighter, Tf);
+    evaluations = inside.evaluations;
     if (inside.solved()) {
       const GainPoint start = {std::log(std::abs(inside.gains.Kp)),
                                inside.gains.Kd == 0 ? 0 : std::log(std::abs(inside.gains.Kd))};
@@ -266,7 +271,7 @@ PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType ty
           optimum = other;
     }
   }
-  optimum.evaluations = search.evaluations();
+  optimum.evaluations = evaluations + search.evaluations();
   if (!optimum.solved()) return optimum;
   optimum.binding.clear();
   const auto binds = [](double met, double bound) { return met > 0.999 * bound; };

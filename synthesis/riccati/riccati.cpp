@@ -111,12 +111,13 @@ Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurO
                           RiccatiProblem kind) {
   const bool continuous = problem.time == Time::continuous;
   if (!continuous && has_idle_input(problem))
-    return {RiccatiStatus::no_convergence,
-            kind == RiccatiProblem::filter
-                ? "R + C P C' is singular: a combination of the measurements has no noise, and its "
-                  "row of C is 0"
-                : "R + B' S B is singular: a combination of the inputs has no weight, and its "
-                  "column of B is 0"};
+    return {
+        RiccatiStatus::no_convergence,
+        kind == RiccatiProblem::filter
+            ? "R + C P C' is singular: a combination of the measurements has no noise and does not "
+              "depend on the states"
+            : "R + B' S B is singular: a combination of the inputs has no weight and no effect on "
+              "the states"};
   const auto on_boundary = [&](std::complex<double> value) {
     return Culprit{
         RiccatiStatus::boundary_pair,

@@ -50,7 +50,8 @@ TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
     const ProgramResult exported = run_program(
         {"export", path("gains.json"), "--to", name, "--vehicle", vehicle(), "-o", out});
     ASSERT_EQ(exported.status, 0) << exported.err;
-    EXPECT_THAT(exported.err, HasSubstr("effect of rounding on the margins of the cascade"));
+    EXPECT_THAT(exported.err,
+                HasSubstr("margins of the cascade before and after the conversion, in a model"));
     const ProgramResult verified = run_program({"verify", out, "--vehicle", vehicle()});
     EXPECT_EQ(verified.status, 0) << verified.out;
     EXPECT_THAT(verified.out, HasSubstr("parameters fly the manifest's cascade"));

@@ -32,6 +32,16 @@ def test_a_certificate_is_that_of_the_program(export):
     assert law.boxes > 0
 
 
+def test_the_default_box_is_the_spread_of_the_vehicle(tmp_path):
+    file = tmp_path / "mine.toml"
+    text = (ROOT / "vehicles" / "quad-450.toml").read_text()
+    file.write_text(text + "\n[spread]\nmass = 0.02\ninertia = 0.3\nthrust = 0.08\n")
+    quadtune.export(file, "json", tmp_path / "out")
+    report = quadtune.certify(tmp_path / "out", budget=1, plant="ideal")
+    assert_prints_as(report, "certify", tmp_path / "out", "--budget", "1", "--plant", "ideal")
+    assert "mass 0.98, inertia x 0.7" in report.laws[0].reason
+
+
 @pytest.mark.parametrize("words, where", [
     ({"mass": (1.2, 1.3)}, "mass"),
     ({"thrust": (1.1, 0.9)}, "thrust"),

@@ -348,7 +348,8 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
                   internal::joined(result.unseen, ", "), internal::joined(result.missing, ", "));
 }
 
-/// Says which turn another channel than its own measures; empty if there is none.
+/// Describes the first axis whose rotation is measured by the channel of another axis; empty if there
+/// is none.
 /// @param M  from raw samples to rates in the axes of the accelerometer
 std::string swapped_channels(const Eigen::Matrix3d& M) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -356,7 +357,8 @@ std::string swapped_channels(const Eigen::Matrix3d& M) {
     M.row(axis).cwiseAbs().maxCoeff(&channel);
     if (channel != axis)
       return fmt::format(
-          "channel {} of the gyroscope measures the turn about {} of the accelerometer, expected "
+          "channel {} of the gyroscope measures the rotation about the {} axis of the "
+          "accelerometer, expected "
           "channel {}; are the channels of both sensors listed in the order x,y,z of the same "
           "axes?",
           channel + 1, "xyz"[axis], axis + 1);

@@ -32,6 +32,8 @@ bool is_there(const fs::path& path) {
 
 /// Describes the first key in which the plan in a folder differs from the requested one: ": what
 /// differs is shards, 8 there and 1 here".
+constexpr char kNewFolder[] = "; use a new folder for this one";
+
 std::string difference_of(const fs::path& plan, const std::vector<FileContent>& files) {
   const auto asked = std::find_if(files.begin(), files.end(),
                                   [](const FileContent& file) { return file.name == kPlanName; });
@@ -39,9 +41,9 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
   try {
     there = Json::parse(internal::read_file(plan.string(), kLimit));
   } catch (const internal::JsonError&) {
-    return "; use a new folder for this one";
+    return kNewFolder;
   }
-  if (!there.is_object()) return "; use a new folder for this one";
+  if (!there.is_object()) return kNewFolder;
   const Json here = Json::parse(asked->bytes);
   for (const std::string& key : here.keys()) {
     const Json& value = here[key];
@@ -54,13 +56,12 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
           number, internal::json_text(value), number);
     }
     const bool numbers = there.contains(key) && there[key].is_primitive();
-    return numbers ? fmt::format(
-                         ": {} is {} in the folder and {} in the request; use a new folder for "
-                         "this one",
-                         key, internal::json_text(there[key]), internal::json_text(value))
-                   : fmt::format(": {} differs; use a new folder for this one", key);
+    return numbers ? fmt::format(": {} is {} in the folder and {} in the request{}", key,
+                                 internal::json_text(there[key]), internal::json_text(value),
+                                 kNewFolder)
+                   : fmt::format(": {} differs{}", key, kNewFolder);
   }
-  return "; use a new folder for this one";
+  return kNewFolder;
 }
 
 /// "done", "running", "stopped", "damaged" or "waiting".

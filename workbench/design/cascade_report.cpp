@@ -68,10 +68,9 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
     const CascadeAxisDesign& failed = report.cascade.failed();
     const bool held = std::isfinite(failed.bounds.rate_noise_max);
     throw NoSolution(
-        fmt::format(
-            "{}: pid: {}: {}: {}{}", where, to_string(failed.axis), to_string(failed.design.status),
-            failed.design.culprit,
-            held ? "; bounds without an option of their own follow from the published gains" : ""),
+        fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
+                    to_string(failed.design.status), failed.design.culprit,
+                    held ? "; the published gains of the vehicle determine the other bounds" : ""),
         where);
   }
   add_margins(report);

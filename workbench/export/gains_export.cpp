@@ -40,8 +40,9 @@ std::string margins_changed(const ExportContent& before, const ExportContent& af
   };
   const MarginsReport was = margins(before), is = margins(after);
   std::string text =
-      "effect of rounding on the margins of the cascade, in a model without sensors, estimator and "
-      "firmware:";
+      "margins of the cascade before and after the conversion, in a model without sensors, "
+      "estimator "
+      "and firmware:";
   for (std::size_t i = 0; i < was.loops.size() && i < is.loops.size(); ++i)
     text +=
         fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <optional>
 
 #include "quadtune/design/export_target.hpp"
 #include "quadtune/design/flight_code_words.hpp"

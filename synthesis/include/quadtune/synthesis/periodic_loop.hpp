@@ -68,6 +68,11 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// Computes the matrices of the closed loop, A[k] - B[k] C.
 [[nodiscard]] std::vector<Eigen::MatrixXd> closed(const PeriodicLti& loop);
 
+/// The largest growth rate of a mode that counts as neutral [1/s]: 0.1 % in ten seconds. The pole of
+/// a mode that nothing observes, such as an estimate that no sensor corrects, is at |z| = 1, where
+/// rounding puts it on either side of the unit circle.
+inline constexpr double kNeutralGrowth = 1e-4;
+
 /// Computes the poles z of one control period: z^N is an eigenvalue of the product A[N-1] … A[0] (a
 /// Floquet multiplier). Of the N roots the result is the one nearest to an eigenvalue of the mean
 /// of the matrices; |z| does not depend on that choice.

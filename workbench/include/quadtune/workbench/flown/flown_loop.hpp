@@ -38,9 +38,8 @@ struct FlownLoop {
 
   /// Whether every mode decays.
   [[nodiscard]] bool stable() const { return std::abs(mode.z) < 1; }
-  /// Whether a mode grows by more than 0.1 % in ten seconds. A neutral mode does not count: an
-  /// estimate that no sensor corrects has |z| = 1.
-  [[nodiscard]] bool grows() const { return decay() < -1e-4; }
+  /// Whether a mode grows faster than a neutral one.
+  [[nodiscard]] bool grows() const { return decay() < -kNeutralGrowth; }
   /// Decay rate of the mode with the largest |z| [1/s]; negative if it grows.
   [[nodiscard]] double decay() const;
   /// Frequency of that mode [rad/s].
