@@ -142,6 +142,14 @@ TEST(GreatestIntegralGain, GrowsWithTheBound) {
       smaller = optimum.gains.Ki;
     }
   }
+  // Bounds so loose that a search from the usual starts alone finds nothing.
+  const PidOptimum tight = max_integral_gain(plants[0], PidType::PID, {.Ms_max = 3}, 0.1);
+  const PidOptimum loose = max_integral_gain(plants[0], PidType::PID, {.Ms_max = 4}, 0.1);
+  ASSERT_TRUE(tight.solved() && loose.solved()) << tight << loose;
+  EXPECT_GE(loose.gains.Ki, tight.gains.Ki);
+  const PidOptimum three_lags = max_integral_gain(plants[1], PidType::PI, {.Ms_max = 30});
+  ASSERT_TRUE(three_lags.solved()) << three_lags;
+  EXPECT_LT(three_lags.gains.Ki, 2.25);  // the largest Ki of any stable PI loop, by Routh
 }
 
 // The best Kp is almost 0: Ki has a maximum all the same.
