@@ -46,20 +46,30 @@ CampaignWatch watched(Progress& progress) {
           interrupted};
 }
 
-/// Makes a plan and writes it into the folder.
-/// @return  whether the folder already contained this plan
-bool write_plan(const std::string& file, const std::string& folder, std::uint32_t shards) {
-  const MadeCampaign made = make_campaign(file, shards);
-  const WritingFiles writing;
-  return write_campaign(made, folder, interrupted);
-}
-
 /// Converts the value of --shards.
 std::uint32_t shard_count(std::uint64_t shards) {
   constexpr std::uint32_t kMax = std::numeric_limits<std::uint32_t>::max();
   if (shards > kMax)
     refuse("--shards", "--shards is {}, expected at most the number of flights", shards);
   return static_cast<std::uint32_t>(shards);
+}
+
+/// Makes a plan and writes it into the folder.
+/// @return  whether the folder already contained this plan
+bool write_plan(const CommandLine& line, const Options& options, const Context& context) {
+  const std::optional<std::uint64_t> seed =
+      line.was_given("--seed") ? std::optional(context.seed) : std::nullopt;
+  const MadeCampaign made = make_campaign(options.file, shard_count(options.shards), seed);
+  const WritingFiles writing;
+  return write_campaign(made, options.folder, interrupted);
+}
+
+/// Loads the plan of a folder, whose seed no option changes.
+CampaignPlan planned(const CommandLine& line, const std::string& folder) {
+  line.refuse_given(
+      {"--seed"},
+      "has no effect, because the plan contains the seed; expected it in `campaign init`");
+  return load_plan(folder);
 }
 
 /// Prints the notes that `fly` would print for these flights.
@@ -74,10 +84,10 @@ void note_damage(std::uint32_t shard, const ShardWork& work, const Context& cont
 
 // --- what each verb does ---
 
-void init(Options& options, Context& context) {
+void init(const CommandLine& line, Options& options, Context& context) {
   need(options.file, "FILE", "a campaign file and a folder");
   need(options.folder, "DIR", "a folder for the plan");
-  const bool was_there = write_plan(options.file, options.folder, shard_count(options.shards));
+  const bool was_there = write_plan(line, options, context);
   const CampaignPlan plan = load_plan(options.folder);
   note_words(plan, context);
   context.print([&] { return to_json(plan); },
@@ -88,7 +98,7 @@ void work(const CommandLine& line, Options& options, Context& context) {
   need(options.folder, "DIR", "a folder with a plan");
   if (!line.was_given("--shard"))
     refuse("--shard", "--shard is missing, expected the number of the shard to fly");
-  const CampaignPlan plan = load_plan(options.folder);
+  const CampaignPlan plan = planned(line, options.folder);
   if (options.shard >= plan.shards)
     refuse("--shard", "--shard is {}, expected 0 to {}", options.shard, plan.shards - 1);
   const auto shard = static_cast<std::uint32_t>(options.shard);
@@ -101,9 +111,9 @@ void work(const CommandLine& line, Options& options, Context& context) {
   context.print([&] { return to_json(shard, done); }, [&] { return to_text(shard, done); });
 }
 
-void status(Options& options, Context& context) {
+void status(const CommandLine& line, Options& options, Context& context) {
   need(options.folder, "DIR", "a folder with a plan");
-  const CampaignPlan plan = load_plan(options.folder);
+  const CampaignPlan plan = planned(line, options.folder);
   const CampaignStatus status = campaign_status(plan, options.folder);
   context.print([&] { return to_json(plan, status); }, [&] { return to_text(plan, status); });
 }
@@ -140,16 +150,16 @@ void merge_plan(const CampaignPlan& plan, const std::string& folder, Context& co
       });
 }
 
-void merge(Options& options, Context& context) {
+void merge(const CommandLine& line, Options& options, Context& context) {
   need(options.folder, "DIR", "a folder with flown shards");
-  merge_plan(load_plan(options.folder), options.folder, context);
+  merge_plan(planned(line, options.folder), options.folder, context);
 }
 
-void run_campaign(Options& options, Context& context) {
+void run_campaign(const CommandLine& line, Options& options, Context& context) {
   need(options.file, "FILE", "a campaign file");
   const bool unnamed = options.folder.empty();
   if (unnamed) options.folder = fs::path(options.file).stem().string() + "-campaign";
-  (void)write_plan(options.file, options.folder, shard_count(options.shards));
+  (void)write_plan(line, options, context);
   if (unnamed)
     context.note(fmt::format("note: plan, flights and tables are written to {}", options.folder));
   const CampaignPlan plan = load_plan(options.folder);
@@ -169,7 +179,7 @@ void replay(const CommandLine& line, Options& options, Context& context) {
   need(options.folder, "DIR", "a folder with a plan");
   if (!line.was_given("--flight"))
     refuse("--flight", "--flight is missing, expected a flight's number");
-  const CampaignPlan plan = load_plan(options.folder);
+  const CampaignPlan plan = planned(line, options.folder);
   if (options.flight >= plan.campaign.records())
     refuse("--flight", "--flight is {}, expected 0 to {}", options.flight,
            plan.campaign.records() - 1);

@@ -81,7 +81,7 @@ void run_kalman(const Options& options, Context& context) {
   if (options.show_sampled && !time.sampled)
     refuse("--show-sampled", "--show-sampled requires --sampled DT");
   if (time.sampled && !options.N.empty())
-    refuse("--N", "--N cannot be combined with --sampled, expected 0, its default");
+    refuse("--N", "--N cannot be combined with --sampled, expected no --N, which is 0 by default");
   const Solution solution = solve(options, context.in);
   const KalmanResult& result = solution.filter;
   if (!result.solved())

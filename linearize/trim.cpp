@@ -114,6 +114,22 @@ double max_thrust(const TrimProblem& problem) {
   return sum;
 }
 
+// The number of rotors that turn in the same direction, if they are not half of them.
+// @param yaw  torque about yaw for each thrust
+std::string directions_of(const Eigen::RowVectorXd& yaw) {
+  const Eigen::Index n = yaw.size();
+  const Eigen::Index one_way = std::max((yaw.array() > 0).count(), (yaw.array() < 0).count());
+  if (2 * one_way <= n) return "";
+  return fmt::format("; {} of {} rotors turn in the same direction, expected half of them", one_way,
+                     n);
+}
+
+// Torque about yaw for the thrust of each rotor, at hover.
+Eigen::RowVectorXd yaw_torques(const TrimProblem& problem) {
+  const TrimProblem at_rest = problem.slowed(0);
+  return at_rest.balance(at_rest.first_guess()).jacobian.bottomRows(1).rightCols(problem.rotors());
+}
+
 // Explains a balance at z that exceeds the limits.
 void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::VectorXd& z = found.z;
@@ -161,16 +177,7 @@ void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimRe
     result.culprit += fmt::format(
         "turn at {:.1f} rad/s, minimum {:.1f} rad/s: {:.1f} rad/s too slow", curve.speed(thrust),
         curve.min_speed(), curve.min_speed() - curve.speed(thrust));
-}
-
-// The number of rotors that turn in the same direction, if they are not half of them.
-// @param yaw  torque about yaw for each thrust
-std::string directions_of(const Eigen::RowVectorXd& yaw) {
-  const Eigen::Index n = yaw.size();
-  const Eigen::Index one_way = std::max((yaw.array() > 0).count(), (yaw.array() < 0).count());
-  if (2 * one_way <= n) return "";
-  return fmt::format("; {} of {} rotors turn in the same direction, expected half of them", one_way,
-                     n);
+  result.culprit += directions_of(yaw_torques(problem));
 }
 
 // Explains a missing balance: whether thrusts that carry the weight cannot cancel the torques.

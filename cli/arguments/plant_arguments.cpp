@@ -74,6 +74,8 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
     // The flight itself is invalid, e.g. its speed is negative, so the options are the cause.
     refuse("--at " + arguments.at, "--at {}: {}", arguments.at, error.message());
   }
+  if (condition.kind == FlightKind::line && condition.speed == 0 && condition.climb == 0)
+    plant.model.notes.emplace_back("--at line without --speed and --climb is a hover");
   if (std::abs(arguments.yaw) > 2 * std::numbers::pi)
     plant.model.notes.push_back(fmt::format("--yaw is {} rad, which is {:.3g} degrees",
                                             number(arguments.yaw),

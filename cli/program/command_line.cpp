@@ -106,9 +106,13 @@ struct CommandLine::Parser {
 /// Rejects the first word that CLI11 could not assign, and suggests the most similar option.
 void CommandLine::Parser::refuse_extras() const {
   const std::string extra = app.remaining().front();
+  double number = 0;
   if (extra.empty() || extra[0] != '-')
-    refuse(extra,
-           fmt::format("unexpected argument '{}', expected: quadtune {} {}", extra, verb, usage));
+    refuse(extra, fmt::format("unexpected argument '{}'{}, expected: quadtune {} {}", extra,
+                              internal::read_number(extra, number)
+                                  ? " (the numbers of a list are one word, such as 1,10,10)"
+                                  : "",
+                              verb, usage));
   std::vector<std::string> known;
   for (const ParsedOption& option : options)
     for (const std::string& name : option.all_names())

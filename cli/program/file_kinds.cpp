@@ -88,6 +88,8 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     const std::size_t equals = args[i].starts_with("--") ? args[i].find('=') : std::string::npos;
     const std::string file = equals == std::string::npos ? args[i] : args[i].substr(equals + 1);
     if (file.empty() || !names(file)) continue;
+    // The kind of a file that would be written is not the problem.
+    if (place_of(args, i) == "-o") return "";
     const std::optional<FileKind> kind = file_kind(file);
     if (!kind) return "";
     const Words takers = takers_of(*kind);

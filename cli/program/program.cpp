@@ -98,6 +98,27 @@ void refuse_standard_output(const CommandLine& line, const std::string& verb) {
   }
 }
 
+/// Rejects an output that is a file which another word of the command line names, because the
+/// command would replace its own input.
+void refuse_replaced_input(const CommandLine& line, const std::string& verb) {
+  namespace fs = std::filesystem;
+  const std::vector<std::string> outputs = output_options(verb);
+  const auto is_output = [&](const Option& option) {
+    return std::find(outputs.begin(), outputs.end(), option.name()) != outputs.end();
+  };
+  for (const Option* written : line.options()) {
+    std::error_code ignored;
+    if (!is_output(*written) || !written->was_given() ||
+        !fs::is_regular_file(written->values().back(), ignored))
+      continue;
+    for (const Option* other : line.options())
+      for (const std::string& word : other->values())
+        if (!is_output(*other) && fs::equivalent(written->values().back(), word, ignored))
+          refuse(written->name(), "{} is {}, which the command reads; expected another file",
+                 written->name(), word);
+  }
+}
+
 /// Standard input can be read only once; a second reader would find it empty.
 void refuse_two_readers(const CommandLine& line) {
   std::string first;
@@ -173,6 +194,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   try {
     line.parse(args);
     refuse_two_readers(line);
+    refuse_replaced_input(line, verb.name);
     if (prints && file == "-")
       file.clear();  // equivalent to no -o
     else

@@ -68,6 +68,13 @@ class Writer {
                            internal::joined(cascade_axis_names(), ", ")));
   }
 
+  /// Whether a derivative of a rate is filtered.
+  [[nodiscard]] bool has_rate_filter() const {
+    return std::any_of(gains_.loops.begin(), gains_.loops.end(), [](const PidLoop& loop) {
+      return loop.rate_lead > 0 && loop.rate_filter > 0;
+    });
+  }
+
   /// @param of_error  D acts on the error of the rate, hence also on its set point: the loop has
   ///                  P + outer D in place of P
   [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop,
@@ -79,8 +86,9 @@ class Writer {
           name_,
           fmt::format(
               "the {} loop has Kp {:.6g}, Ki {:.6g}, |Kd| {:.6g}, expected |Ki| <= "
-              "Kp^2/(4 |Kd|) = {:.6g}, because a gain on the error before a PI controller of "
-              "the rate gives no larger one; `quadtune pid V --structure p-pi` keeps this bound",
+              "Kp^2/(4 |Kd|) = {:.6g}, because a P controller of the angle with a PI controller "
+              "of the rate cannot have a larger Ki; `quadtune pid V --structure p-pi` keeps this "
+              "bound",
               loop, sizes.Kp, sizes.Ki, sizes.Kd, max));
     const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
     // The smaller zero is computed from the product, because the difference would cancel.
@@ -394,6 +402,10 @@ void write_crazyflie(Writer& w) {
                                      "which an error of 1 rad/s saturates the output",
                                      turn.small, kp, kMaxOutput / kDegrees));
   }
+  if (w.has_rate_filter())
+    w.note(
+        "rate_filter_s is not written: the firmware has no parameter for the filter of the rate's "
+        "derivative");
   w.note(
       "the firmware limits the integral of the angle's error to 20 deg s (yaw 360); there is no "
       "parameter for this limit");

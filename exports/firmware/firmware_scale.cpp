@@ -116,6 +116,23 @@ void require_frame(const Firmware& firmware, const Vehicle& vehicle) {
   require_spins(firmware, vehicle);
 }
 
+/// Rejects a file of a board whose frame is not that of the vehicle. Only frames that share no
+/// vehicle are rejected: the other types of four rotors are variants of X.
+void require_same_frame(const Firmware& firmware, const Vehicle& vehicle,
+                        const ParameterValues& value) {
+  constexpr double kQuad = 1, kPlus = 0, kX = 1;
+  const double frame = value("FRAME_CLASS"), type = value("FRAME_TYPE");
+  const auto refuse = [&](const char* name, double came, double expected, const char* frames) {
+    throw InvalidInput(to_string(firmware.kind),
+                       fmt::format("{} is {:g}, expected {:g}, because {} has {}", name, came,
+                                   expected, vehicle.name, frames));
+  };
+  if (!std::isnan(frame) && frame != 0 && frame != kQuad)
+    refuse("FRAME_CLASS", frame, kQuad, "four rotors");
+  if (type == kPlus && !is_plus(vehicle)) refuse("FRAME_TYPE", type, kX, "four rotors in X");
+  if (type == kX && is_plus(vehicle)) refuse("FRAME_TYPE", type, kPlus, "four rotors in plus");
+}
+
 /// Thrust per motor at full output, 65535, in N.
 double crazyflie_full_thrust(const Firmware& firmware) {
   const bool kit = firmware.setup == "thrust-kit", brushless = firmware.setup == "brushless";
@@ -159,6 +176,7 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
                              const std::vector<Parameter>& values) {
   const ParameterValues value(firmware, values);
   if (firmware.kind != FirmwareKind::px4) require_frame(firmware, vehicle);
+  if (firmware.kind == FirmwareKind::ardupilot) require_same_frame(firmware, vehicle, value);
   FirmwareScale scale;
   scale.mass = vehicle.mass;
   const VectorXd thrusts = hover_thrusts(vehicle);

@@ -162,7 +162,12 @@ std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
   // Up to 4.6, lengths are in cm and angles in hundredths of a degree.
   const double cm = renamed ? 0.01 : 1;
   t.add_limit(renamed ? "PSC_NE_VEL_IMAX" : "PSC_VELXY_IMAX", 1000 * cm, 0, 4500 * cm, "");
-  t.add_limit(renamed ? "ATC_ANGLE_MAX" : "ANGLE_MAX", renamed ? 30 : 3000, 0, {}, "");
+  t.add_limit(renamed ? "ATC_ANGLE_MAX" : "ANGLE_MAX", renamed ? 30 : 3000, renamed ? 10 : 1000,
+              renamed ? 80 : 8000, "");
+  for (const char* name : {"FRAME_CLASS", "FRAME_TYPE"}) {
+    t.add_integer(name, kOfVehicle, 0, {});
+    t.read_only();
+  }
   for (const char* suffix : {"_FLTE", "_FLTD"})
     for (const char* loop :
          renamed ? std::array{"PSC_NE_VEL", "PSC_D_VEL"} : std::array{"PSC_VELXY", "PSC_VELZ"})

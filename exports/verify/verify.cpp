@@ -103,7 +103,7 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
     check.ok = false;
     check.detail = fmt::format(
         "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: the export was made from "
-        "another file; name it with --design",
+        "another file; name it with --design or --vehicle",
         other->where.empty() ? input.path : internal::printable(other->where), other->bytes.size(),
         sha256(other->bytes), input.size, input.sha256);
     return check;
@@ -250,7 +250,8 @@ VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest,
 
 VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
                           const Exporter& exporter) {
-  VerifyCheck check{"numbers and expressions are those of the manifest", false, ""};
+  VerifyCheck check{"single numbers, besides gains and weights, are those of the manifest", false,
+                    ""};
   try {
     std::vector<NamedMatrix> found;
     for (const ManifestFile& file : manifest.files)

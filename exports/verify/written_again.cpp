@@ -23,7 +23,7 @@ std::string file_difference(const std::filesystem::path& directory,
 
 std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& directory,
                                               const Vehicle& vehicle) {
-  VerifyCheck check{"files are what the laws and the vehicle give", false, ""};
+  VerifyCheck check{"files computed again from the laws and the vehicle are the same", false, ""};
   try {
     const Manifest manifest = read_manifest(directory);
     const Exporter& exporter = exporter_of(manifest.kind, kManifestName);

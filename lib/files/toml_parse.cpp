@@ -133,7 +133,10 @@ std::string translate_message(std::string_view description, std::string_view tex
     return "not TOML: a text has no closing quote in its line, or contains a control character";
   if (words.find("invalid utf-8") != std::string::npos)
     return "not TOML: the line has bytes that are not UTF-8, expected text in UTF-8";
-  if (words.find("could not determine value type") != std::string::npos)
+  // A word without quotes, in whose first letters the parser sees true, false, inf or nan.
+  const auto has = [&](const char* part) { return words.find(part) != std::string::npos; };
+  if (has("could not determine value type") || has("boolean: expected") ||
+      has("floating-point: expected 'inf'") || has("floating-point: expected 'nan'"))
     return "not TOML: the value has no recognizable type, expected a number, a text in quotes, "
            "true, false, "
            "[a list] or {a table}";

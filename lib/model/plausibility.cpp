@@ -44,12 +44,16 @@ class Search {
     const bool arm_fits = arm();
     // If the arm length is wrong, a correct inertia would be reported as wrong.
     const bool inertia_fits = arm_fits && inertia();
+    if (inertia_fits) inertia_order();
     const bool weight_fits = weight();
+    if (weight_fits) flight_settings();
     drag_torque();
     if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed();
     motors(inertia_fits);
     if (arm_fits && weight_fits) battery();
     delays();
+    rates();
+    noise();
     return std::move(found_);
   }
 
@@ -117,6 +121,32 @@ class Search {
                   moments(0) / size, range, units);
     return look("largest principal moment over mass times the square of the arm", "", largest,
                 range, units);
+  }
+
+  /// As look(), for a value that is outside its range for one reason only.
+  void look_for(const std::string& cause, const std::string& quantity, const std::string& unit,
+                double value, const PlausibleRange& range) {
+    if (!look(quantity, unit, value, range, {})) found_.back().cause = cause;
+  }
+
+  /// Rotors in one plane make the moment about the vertical axis the largest; that of a body
+  /// cannot exceed the sum of the other two.
+  void inertia_order() {
+    const Eigen::Vector3d moments = vehicle_.inertia.diagonal();
+    look_for("the order of inertia_kg_m2 may be wrong, expected x, y, z with z downwards",
+             "moment of inertia about z over the mean of those about x and y", "",
+             moments(2) / (0.5 * (moments(0) + moments(1))), {0.6, 2.1});
+  }
+
+  /// Limits of the laws for height and take-off.
+  void flight_settings() {
+    const double ratio = thrust_to_weight(vehicle_);
+    look_for("altitude_thrust_fraction is too small for a hover",
+             "thrust-to-weight within altitude_thrust_fraction", "",
+             ratio * vehicle_.altitude_thrust_fraction, {1, 10});
+    if (vehicle_.takeoff_gain > 0)
+      look("takeoff_gain", "", vehicle_.takeoff_gain, {1e-3, ratio},
+           {{100, "takeoff_gain may be in percent, expected a fraction of the weight"}});
   }
 
   bool weight() {
@@ -256,6 +286,45 @@ class Search {
     if (vehicle_.motor.delay > 0)
       look("delay of the commands", "s", vehicle_.motor.delay, {1e-5, 0.2},
            {{1000, "command_delay_s seems to be in ms"}});
+  }
+
+  void rates() {
+    const Sensors& sensors = vehicle_.sensors;
+    const auto rate = [&](const char* name, const std::optional<SensorFaults>& faults) {
+      if (faults)
+        look_for("attitude control requires a faster sensor; rate_Hz may be in kHz",
+                 fmt::format("rate of the {}", name), "Hz", faults->rate, {40, 1e5});
+    };
+    rate("accelerometer", sensors.accelerometer);
+    rate("gyroscope", sensors.gyroscope);
+  }
+
+  /// Standard deviations of samples, several times those of the worst usual sensors.
+  void noise() {
+    constexpr double kDegree = 180 / std::numbers::pi;
+    const Sensors& sensors = vehicle_.sensors;
+    const auto largest = [&](const char* name, const char* unit, const SensorFaults* faults,
+                             double high, const std::vector<Mistake>& mistakes) {
+      if (faults == nullptr || !(faults->noise.maxCoeff() > 0)) return;
+      look(fmt::format("noise of the {}", name), unit, faults->noise.maxCoeff(), {1e-7, high},
+           mistakes);
+    };
+    const auto of = [](const auto& sensor) { return sensor ? &sensor->faults : nullptr; };
+    const auto plain = [](const auto& sensor) { return sensor ? &*sensor : nullptr; };
+    const std::vector<Mistake> lengths = {{1e3, "noise seems to be in mm"},
+                                          {1e2, "noise seems to be in cm"}};
+    largest("accelerometer", "m/s2", plain(sensors.accelerometer), 10,
+            {{1e3 / 9.81, "noise seems to be in mg"}});
+    largest("gyroscope", "rad/s", plain(sensors.gyroscope), 1,
+            {{kDegree, "noise seems to be in deg/s"}});
+    largest("magnetometer", "uT", plain(sensors.magnetometer), 30,
+            {{1e3, "noise seems to be in nT"}});
+    largest("barometer", "Pa", of(sensors.barometer), 200, {});
+    largest("sonar", "m", of(sensors.sonar), 1, lengths);
+    largest("optical flow", "rad/s", of(sensors.flow), 5,
+            {{kDegree, "noise seems to be in deg/s"}});
+    largest("GPS", "m", sensors.gps ? &sensors.gps->position : nullptr, 30, lengths);
+    largest("vision", "m", plain(sensors.vision), 1, lengths);
   }
 
   const Vehicle& vehicle_;

@@ -221,6 +221,11 @@ Battery read_battery(const TomlTable& table) {
                                    "empty_voltage_V, {}",
                                    battery.full_voltage, battery.empty_voltage));
   battery.cutoff_voltage = table.number_or("cutoff_voltage_V", 0, Range::not_negative());
+  if (!(battery.cutoff_voltage < battery.full_voltage))
+    throw InvalidInput(table.where("cutoff_voltage_V"),
+                       fmt::format("cutoff_voltage_V in [battery] is {}, expected less than "
+                                   "full_voltage_V, {}",
+                                   battery.cutoff_voltage, battery.full_voltage));
   battery.rated_voltage =
       table.number_or("rated_voltage_V", battery.full_voltage, Range::positive());
   battery.resistance = table.number_or("resistance_ohm", 0, Range::not_negative());

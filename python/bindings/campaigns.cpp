@@ -55,11 +55,11 @@ CampaignResult merge(const std::string& folder, std::size_t threads, const Stop&
 }
 
 CampaignResult run(const Path& file, const std::optional<Path>& given_folder, std::uint32_t shards,
-                   std::size_t threads) {
+                   std::size_t threads, const std::optional<std::uint64_t>& seed) {
   const std::string folder =
       given_folder ? given_folder->text : fs::path(file.text).stem().string() + "-campaign";
   return long_call([&](const Stop& stop) {
-    (void)write_campaign(make_campaign(file.text, shards), folder, stop);
+    (void)write_campaign(make_campaign(file.text, shards, seed), folder, stop);
     const CampaignPlan plan = load_plan(folder);
     CampaignWatch watch;
     watch.stop = stop;
@@ -173,14 +173,14 @@ void add_campaigns(py::module_& module) {
       });
   module.def(
       "campaign", &run, "file"_a, "folder"_a = py::none(), py::kw_only(), "shards"_a = 0,
-      "threads"_a = 0,
+      "threads"_a = 0, "seed"_a = py::none(),
       "Plan, fly and merge a campaign on this machine.\n\n"
       "file: a campaign file (docs/formats.md). folder: a new one, or one where this was\n"
       "stopped, which continues there; default: the file's name with -campaign, in the current\n"
       "folder. shards: parts into which the flights are divided; 0 chooses. threads: 0 for one\n"
-      "of each processor. Ctrl-C ends it; what was flown stays. Raises InvalidInput with\n"
-      "\"file:line\" for a wrong file, NoSolution if a design of it has none, FileError if\n"
-      "files cannot be read or written.");
+      "of each processor. seed: replaces that of the file. Ctrl-C ends it; what was flown stays.\n"
+      "Raises InvalidInput with \"file:line\" for a wrong file, NoSolution if a design of it has\n"
+      "none, FileError if files cannot be read or written.");
   module.def(
       "load_campaign",
       [](const Path& folder, std::size_t threads) {

@@ -106,7 +106,7 @@ void add_flown(py::module_& module) {
           "mode", [](const FlownLoop& loop) { return loop.mode.states; }, "Its largest states.")
       .def_readonly("dt", &FlownLoop::dt, "Control period [s].")
       .def_readonly("period", &FlownLoop::period,
-                    "Control periods after which the sample clocks repeat.")
+                    "Control periods after which the sample times of the sensors repeat.")
       .def_readonly("estimator", &FlownLoop::estimator, "Name of the estimator.")
       .def_readonly("sensors", &FlownLoop::sensors, "\"real\" or \"ideal\".")
       .def_readonly("margins", &FlownLoop::margins, "At the outputs of the law.")

@@ -424,7 +424,7 @@ class FlownLoop:
         """Control period [s]."""
     @property
     def period(self) -> int:
-        """Control periods after which the sample clocks repeat."""
+        """Control periods after which the sample times of the sensors repeat."""
     @property
     def estimator(self) -> str:
         """Name of the estimator."""
@@ -1843,15 +1843,15 @@ def analyze(*, num: Numbers, den: Numbers, dt: Optional[float] = None) -> System
     num, den: coefficients in descending powers of s, or of z with dt > 0 [s], with at most
     as many zeros as poles. Raises InvalidInput for other coefficients."""
 
-def campaign(file: Path, folder: Optional[Path] = None, *, shards: int = 0, threads: int = 0) -> Campaign:
+def campaign(file: Path, folder: Optional[Path] = None, *, shards: int = 0, threads: int = 0, seed: Optional[int] = None) -> Campaign:
     """Plan, fly and merge a campaign on this machine.
 
     file: a campaign file (docs/formats.md). folder: a new one, or one where this was
     stopped, which continues there; default: the file's name with -campaign, in the current
     folder. shards: parts into which the flights are divided; 0 chooses. threads: 0 for one
-    of each processor. Ctrl-C ends it; what was flown stays. Raises InvalidInput with
-    "file:line" for a wrong file, NoSolution if a design of it has none, FileError if
-    files cannot be read or written."""
+    of each processor. seed: replaces that of the file. Ctrl-C ends it; what was flown stays.
+    Raises InvalidInput with "file:line" for a wrong file, NoSolution if a design of it has
+    none, FileError if files cannot be read or written."""
 
 def certify(directory: Path, *, vehicle: Optional[VehicleLike] = None, controller: str = '', mass: Optional[Tuple[float, float]] = None, inertia: Optional[Tuple[float, float]] = None, thrust: Optional[Tuple[float, float]] = None, delay: Optional[Tuple[float, float]] = None, lag: Optional[Tuple[float, float]] = None, integrator: Optional[str] = None, plant: str = 'flown', budget: int = 20000, seed: int = 1, threads: int = 0) -> Certificate:
     """Prove the loops of an export stable for every vehicle of a box, or find one that is

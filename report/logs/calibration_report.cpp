@@ -78,7 +78,7 @@ std::string temperature_text(const SensorCalibration& c) {
     if (c.d_error(i) > 0)
       axes.push_back(
           fmt::format("{} {}", "xyz"[i], with_interval(c.d(i), c.quantile * c.d_error(i))));
-  return fmt::format("{} raw/degC about {:.2f} degC, added to raw - b",
+  return fmt::format("temperature {} raw/degC, times (temperature - {:.2f} degC), added to raw - b",
                      internal::joined(axes, ", "), c.t0);
 }
 
@@ -141,13 +141,14 @@ std::string log_text(const CalibratedImu& imu, std::size_t i) {
   const StationaryDetection& still = imu.found.still[i];
   const double length = log.t(log.t.size() - 1) - log.t(0);
   std::string text = fmt::format(
-      "{}: {} samples over {:.4g} s, {} stationary poses\nstationary if samples of {:.2g} s vary "
-      "by at most {:.3g} raw",
+      "{}: {} samples over {:.4g} s, {} stationary poses\nstationary if the standard deviation "
+      "within {:.2g} s is at most {:.3g} raw",
       log.name, log.t.size(), length, still.poses.size(), imu.options.still.window,
       still.accelerometer_threshold);
   if (log.gyroscope.cols() > 0)
     text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
-  text += fmt::format(", {} times the variance of the quietest tenth", imu.options.still.factor);
+  text += fmt::format(", {:.3g} times that of the quietest tenth of the log",
+                      std::sqrt(imu.options.still.factor));
   if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
   const StartUpOffset start = start_up_offset(log, still);
   text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",

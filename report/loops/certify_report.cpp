@@ -53,12 +53,14 @@ std::string where_text(const StabilityProof& proof) {
   return text;
 }
 
-std::string proof_text(const StabilityProof& proof) {
+std::string proof_text(const CertifiedLaw& law) {
+  const StabilityProof& proof = law.robustness.proof;
   if (proof.proved())
     return fmt::format(
-        "stable in the whole box: {} Lyapunov functions, each on a part of it\n"
+        "stable in the whole box{}: {} Lyapunov functions, each on a part of it\n"
         "every loop contracts by at least {:.3g} per period, in the norm of its part",
-        proof.proved_boxes, proof.gap);
+        law.family.max_scale < 1 ? ", as far as the vehicle can hover" : "", proof.proved_boxes,
+        proof.gap);
   return fmt::format(
       "{}: {}\nthere: {}",
       proof.status == StabilityProofStatus::unstable ? "an unstable loop was found" : "not proved",
@@ -109,7 +111,7 @@ std::string law_text(const CertifiedLaw& law) {
   const Robustness& r = law.robustness;
   return section("law", fmt::format("{}, every {} s", law.name, number(law.dt))) +
          section("box", box_text(law.family)) + section("loops", stability_text(r.proof)) +
-         section("proof", proof_text(r.proof)) +
+         section("proof", proof_text(law)) +
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",
                                             describe(law.family, r.worst.parameters))) +

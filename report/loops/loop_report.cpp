@@ -40,7 +40,7 @@ std::string to_text(const FlownLoop& loop) {
   if (loop.at.command_delay > 0)
     text += fmt::format(", commands delayed by {} s", number(loop.at.command_delay));
   if (loop.period > 1)
-    text += fmt::format("; the sample clocks repeat every {} periods", loop.period);
+    text += fmt::format("; the sample times of the sensors repeat every {} periods", loop.period);
   return text + fmt::format("\n{}, largest |z| {:.6f}: {}",
                             loop.stable()  ? "stable"
                             : loop.grows() ? "UNSTABLE"

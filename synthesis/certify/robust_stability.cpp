@@ -142,15 +142,17 @@ class Proof {
     const int before = result_.boxes;
     while (!open.empty()) {
       if (takes_too_long(result_.boxes - before, evidence.share))
-        return fail(
-            StabilityProofStatus::not_proved, part, open.back().box,
-            fmt::format("{} examined, and {:.2g} of the box is proved",
-                        internal::counted(result_.boxes, "box was", "boxes were"), evidence.share));
+        return fail(StabilityProofStatus::not_proved, part, open.back().box,
+                    fmt::format("{} examined, and {:.2g} of the box is proved",
+                                internal::counted(result_.boxes, "part of the box was",
+                                                  "parts of the box were"),
+                                evidence.share));
       const auto left = static_cast<std::size_t>(options_.max_boxes - result_.boxes);
       if (left == 0)
         return fail(
             StabilityProofStatus::not_proved, part, open.back().box,
-            fmt::format("{} examined", internal::counted(result_.boxes, "box was", "boxes were")));
+            fmt::format("{} examined", internal::counted(result_.boxes, "part of the box was",
+                                                         "parts of the box were")));
       std::vector<OpenBox> together;
       while (!open.empty() && together.size() < std::min(kTogether, left)) {
         together.push_back(std::move(open.back()));
@@ -269,7 +271,7 @@ StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,
   validate(box, loop, "prove_stability");
   if (options.max_boxes < 1)
     throw InvalidInput("prove_stability",
-                       fmt::format("most_boxes is {}, expected 1 or more", options.max_boxes));
+                       fmt::format("max_boxes is {}, expected 1 or more", options.max_boxes));
   return Proof(loop, options).run(box);
 }
 

@@ -88,7 +88,7 @@ Robustness assess_robustness(const LoopFamily& family, const RobustnessOptions& 
   Robustness result;
   result.proof = prove_scaled(family, 1, options.proof);
   result.boxes = result.proof.boxes;
-  if (result.proof.proved()) result.proved_scale = 1;
+  if (result.proof.proved()) result.proved_scale = std::min(1.0, family.max_scale);
   internal::RobustnessSearch search(family, options.seed, options.proof.threads,
                                     options.proof.interrupted);
   result.worst = search.worst();

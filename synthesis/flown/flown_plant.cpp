@@ -550,9 +550,8 @@ FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& option
   if (by_flow.flown) by_flow.flown->sensors.gps.reset();
   FlownPlant result = Assembly(by_flow, with_own).make();
   result.notes.emplace_back(
-      "satellite fixes below 5 Hz are omitted: optical flow holds the vehicle, and they correct "
-      "the "
-      "position over many seconds");
+      "the model has no GPS, because its rate is below 5 Hz: the optical flow holds the position, "
+      "and the GPS would change it only over many seconds");
   return result;
 }
 

@@ -97,7 +97,8 @@ TEST_F(CertifyTest, SaysWhatItCannotProveAndWhere) {
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.out, HasSubstr("not proved"));
   EXPECT_THAT(result.out, HasSubstr("verdict     not proved"));
-  EXPECT_THAT(result.err, HasSubstr("2 boxes were examined; the worst loop found has |z| 0.99968"));
+  EXPECT_THAT(result.err,
+              HasSubstr("2 parts of the box were examined. The worst loop found has |z| 0.99968"));
 }
 
 TEST_F(CertifyTest, TakesBothLawsOfAMamboExport) {

@@ -127,8 +127,8 @@ TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
   const ProgramResult text = run_program({"margins", "mambo", "--gains", design});
   EXPECT_EQ(text.status, 0);
   for (const char* part :
-       {"hover at 1.1 m, estimator general, real sensors; the sample clocks repeat "
-        "every 10 periods",
+       {"hover at 1.1 m, estimator general, real sensors; the sample times of the "
+        "sensors repeat every 10 periods",
         "stable, largest |z| 0.99", "\nmargins of the ideal plant\n"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
   EXPECT_NE(text.err.find("do not observe px, py and yaw"), std::string::npos) << text.err;

@@ -633,6 +633,37 @@ variance = 0.01
   EXPECT_THAT(result.out, HasSubstr("compared    not compared with als: "));
 }
 
+// Exact accelerations: the likelihood is largest without process noise. A filter without it would
+// ignore its measurements after some time, and `design` rejects it.
+TEST(TuneVerb, WritesTheBoundOfAVarianceThatIsZero) {
+  const TemporaryDirectory folder;
+  const RandomSource<1> source{2029, {0}};
+  constexpr double kDt = 0.02;
+  std::string log = "t_s,az[m/s^2],height[m]\n";
+  double z = -1, v = 0;
+  for (std::uint64_t k = 0; k < 1500; ++k) {
+    const double t = kDt * static_cast<double>(k), a = 2 * std::sin(3 * t);
+    log += fmt::format("{:.2f},{:.9f},{:.5f}\n", t, a,
+                       -z + 0.02 * lane(random_normal(source, 0, k).first, 0));
+    z += v * kDt + 0.5 * a * kDt * kDt;
+    v += a * kDt;
+  }
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result =
+      run_program({"tune", "kalman", "--model", "altitude", "--starts", "1", "--log",
+                   folder.write("log.csv", log).string(), "-o", tuned, "--force", "--json"});
+  ASSERT_LE(result.status, 1) << result.err;
+  const Json parameter = Json::parse(result.out)["parameters"][0];
+  ASSERT_EQ(parameter["name"], "Q.az");
+  EXPECT_EQ(parameter["value"], 0);
+  const FilterModel model = load_filter_model(tuned);
+  EXPECT_DOUBLE_EQ(model.parameters[0].start, parameter["high"].get<double>());
+  EXPECT_GT(model.parameters[0].start, 1e-12);
+  std::stringstream text;
+  text << std::ifstream(tuned).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr(", at zero; the upper bound is used"));
+}
+
 TEST(TuneVerb, NamesTheChannelsThatItTook) {
   const TemporaryDirectory folder;
   const std::string log = bobbing(3000);

@@ -10,6 +10,7 @@
 
 #include "noise/constant_measurements.hpp"
 #include "noise/judge/held_out.hpp"
+#include "noise/judge/opposite_signs.hpp"
 #include "noise/noise_description.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -426,6 +427,9 @@ class Tuner {
     tuning_.before = consistency_of(old_runs, at_start.records);
     tuning_.after = consistency_of(new_runs, records);
     if (options_.holdout > 0) hold_out(old_runs, new_runs, records);
+    if (new_runs.culprit.empty())
+      opposite_signs_ =
+          internal::opposite_signs(open, records, tuning_.fit.theta, options_.fit.interrupted);
     if (old_runs.culprit.empty() && new_runs.culprit.empty())
       compare_accuracy({at_start.records, old_runs.runs}, {records, new_runs.runs});
   }
@@ -526,6 +530,7 @@ class Tuner {
                                              fit.culprit.empty() ? "" : ": " + fit.culprit));
     if (fit.status == NoiseFitStatus::not_computed || fit.status == NoiseFitStatus::interrupted)
       return;
+    if (!opposite_signs_.empty()) worsen(CheckVerdict::fail, opposite_signs_);
     for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
     for (const RefusedCount& count : tuning_.refused)
       if (static_cast<double>(count.refused) >
@@ -543,9 +548,10 @@ class Tuner {
   Records records_;
   const NoiseTuningOptions& options_;
   std::chrono::steady_clock::time_point begin_;
-  int evaluations_ = 0;  ///< of the completed fits
-  VectorXd best_;        ///< best θ so far
-  Likelihood before_;    ///< of the first fit
+  int evaluations_ = 0;         ///< of the completed fits
+  VectorXd best_;               ///< best θ so far
+  Likelihood before_;           ///< of the first fit
+  std::string opposite_signs_;  ///< channels of doubtful sign
   NoiseTuning tuning_;
 };
 

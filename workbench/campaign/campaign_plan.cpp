@@ -208,8 +208,11 @@ void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
 
 class PlanMaker {
  public:
-  PlanMaker(const std::filesystem::path& file, std::uint32_t shards)
-      : file_(file.string()), request_(read_campaign(file)), shards_(shards) {}
+  PlanMaker(const std::filesystem::path& file, std::uint32_t shards,
+            const std::optional<std::uint64_t>& seed)
+      : file_(file.string()), request_(read_campaign(file)), shards_(shards) {
+    request_.seed = seed.value_or(request_.seed);
+  }
 
   MadeCampaign make() {
     const Vehicle vehicle = vehicle_of(request_);
@@ -470,8 +473,9 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
 
 }  // namespace
 
-MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards) {
-  return PlanMaker(file, shards).make();
+MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards,
+                           const std::optional<std::uint64_t>& seed) {
+  return PlanMaker(file, shards, seed).make();
 }
 
 CampaignPlan load_plan(const std::filesystem::path& folder) {

@@ -68,9 +68,11 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
     const CascadeAxisDesign& failed = report.cascade.failed();
     const bool held = std::isfinite(failed.bounds.rate_noise_max);
     throw NoSolution(
-        fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
-                    to_string(failed.design.status), failed.design.culprit,
-                    held ? "; the published gains of the vehicle determine the other bounds" : ""),
+        fmt::format(
+            "{}: pid: {}: {}: {}{}", where, to_string(failed.axis), to_string(failed.design.status),
+            failed.design.culprit,
+            held ? "; the bounds that are not given are those of the vehicle's published gains"
+                 : ""),
         where);
   }
   add_margins(report);

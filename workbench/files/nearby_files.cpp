@@ -26,11 +26,20 @@ NearbyFiles nearby_files(const fs::path& path, std::size_t max) {
     std::string name;
     auto operator<=>(const Entry&) const = default;
   };
+  // A word without an extension may be the name of a directory, or of a file whose extension was
+  // forgotten.
+  const auto is_wanted = [&](const fs::path& name) {
+    return wanted.extension().empty() && name.stem() == wanted;
+  };
   std::vector<Entry> entries;
   for (fs::directory_iterator entry(nearby.folder, error), end;
        !error && entry != end && entries.size() < kLooked; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name.starts_with('.')) continue;
+    if (is_wanted(name)) {
+      entries.push_back({false, 0, name});
+      continue;
+    }
     entries.push_back({entry->path().extension() != wanted.extension(),
                        name.size() > 255 ? 255 : internal::edit_distance(name, wanted.string()),
                        name});

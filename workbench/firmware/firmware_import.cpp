@@ -8,6 +8,7 @@
 #include "firmware/turn_parts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/counted.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/synthesis/open_loop.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
@@ -43,9 +44,9 @@ void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
                     to_string(turn.gains.axis), D, 100 * D / turn.inertia));
   if (turn.gains.double_integral() != 0)
     notes.push_back(fmt::format(
-        "{}: the controllers of angle and rate both have an integral. The margins of the table "
-        "rotation and flights include the product of the two; the cascade, which other commands "
-        "use, does not",
+        "{}: the controllers of angle and rate both have an integral. Flights and the margins of "
+        "the whole loop include the product of the two; the cascade, which other commands use, "
+        "does not",
         to_string(turn.gains.axis)));
 }
 
@@ -62,6 +63,22 @@ void note_hover(const Firmware& firmware, const Vehicle& vehicle, const Paramete
                         "learned in flight, the vehicle's thrust or mass is wrong",
                         name, parameter.value, expected));
     }
+}
+
+/// Notes values outside the ranges that the firmware publishes, most often because of a unit.
+void note_ranges(const Firmware& firmware, const ParameterFile& file,
+                 std::vector<std::string>& notes) {
+  std::vector<std::string> outside;
+  for (const ParameterFacts& facts : parameter_facts(firmware)) {
+    const double low = facts.min.value_or(-INFINITY), high = facts.max.value_or(INFINITY);
+    for (const Parameter& parameter : file.values)
+      if (parameter.name == facts.name && !(parameter.value >= low && parameter.value <= high))
+        outside.push_back(
+            fmt::format("{} is {:.6g} ({:g} to {:g})", facts.name, parameter.value, low, high));
+  }
+  if (!outside.empty())
+    notes.push_back(
+        fmt::format("outside the published range: {}", internal::joined(outside, ", ")));
 }
 
 ExportContent content_of(const Vehicle& vehicle, const CascadeGains& gains) {
@@ -100,8 +117,8 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   if (firmware.kind == FirmwareKind::ardupilot)
     result.notes.emplace_back(
         "altitude: the firmware's loop of the vertical acceleration initially gives about half of "
-        "the requested acceleration. Flights simulate this loop; other commands assume that it is "
-        "ideal, so that the height is damped less in flight");
+        "the requested acceleration. Only flights simulate this; they damp the height less than "
+        "the margins of other commands suggest");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
     if (!loop.flies && pilot.loops.empty()) {
@@ -117,6 +134,7 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
       result.notes.push_back(fmt::format("{} of the file {} not belong to these loops",
                                          internal::counted(file->others, "other parameter"),
                                          file->others == 1 ? "does" : "do"));
+    note_ranges(firmware, *file, result.notes);
     note_hover(firmware, vehicle, *file, result.notes);
   }
   for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);

@@ -173,10 +173,15 @@ std::string fly_command(const PlannedFlight& plan) {
   return text + " --mission " + mission_of(plan) + wind_option(plan);
 }
 
+/// The word of `quadtune tune` for this law. The loops of an autopilot are tuned as a cascade.
+const char* tuned_law(const PlannedFlight& plan) {
+  return std::holds_alternative<StateFeedbackController>(plan.setup.controller) ? "lqr" : "pid";
+}
+
 /// The command that tunes gains for this mission.
 std::string tune_command(const PlannedFlight& plan) {
-  return fmt::format("quadtune tune {} {} --mission {}{}", is_cascade(plan) ? "pid" : "lqr",
-                     vehicle_of(plan), mission_of(plan), wind_option(plan));
+  return fmt::format("quadtune tune {} {} --mission {}{}", tuned_law(plan), vehicle_of(plan),
+                     mission_of(plan), wind_option(plan));
 }
 
 /// The command that shows the flown loop of this law; gains that are in no file must be written
@@ -291,7 +296,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                            : fmt::format(
                                  "`quadtune tune {} {} --mission FILE`, where FILE is {} with this "
                                  "[[event]], or a copy with wider [limits]",
-                                 is_cascade(plan) ? "pid" : "lqr", vehicle_of(plan), copy);
+                                 tuned_law(plan), vehicle_of(plan), copy);
       return;
     }
     case FlightCause::motor_limits:

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -15,6 +17,8 @@
 #include "quadtune/simulation/uquad_flight.hpp"
 #include "quadtune/workbench/firmware/firmware_law.hpp"
 #include "quadtune/workbench/flight/sensor_words.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {
 namespace {
@@ -232,6 +236,32 @@ void note_unused_wind(PlannedFlight& flight) {
     flight.notes.emplace_back("turbulence_height of the wind has no effect without turbulence");
 }
 
+/// Notes a state feedback whose gains hold at another yaw than that at which the mission begins:
+/// position and velocity are in world axes.
+void note_other_yaw(const std::optional<double>& yaw, PlannedFlight& flight) {
+  constexpr double kApart = 0.3;  // about half of the usual phase margins [rad]
+  const double start = flight.setup.mission.start.yaw;
+  if (!yaw || std::abs(std::remainder(start - *yaw, 2 * std::numbers::pi)) <= kApart) return;
+  flight.notes.push_back(
+      fmt::format("the gains are for the yaw {} rad, and the mission begins at the yaw {} rad: a "
+                  "state feedback of position in world axes is not valid there",
+                  number(*yaw), number(start)));
+}
+
+/// Notes that a flight program for these gains has another estimator, with which `verify` and
+/// `certify` analyse its exports.
+void note_other_estimator(const FlightOptions& options, PlannedFlight& flight) {
+  const auto* feedback = std::get_if<StateFeedbackController>(&flight.setup.controller);
+  if (feedback == nullptr || !options.estimator.empty()) return;
+  const std::string& convention = feedback->gains.convention;
+  const std::string program = estimator_of_program(flight.setup.vehicle, convention);
+  if (!program.empty() && program != flight.estimator)
+    flight.notes.push_back(
+        fmt::format("the flight uses the estimator {}; the program {} has its own, which the "
+                    "estimator {} simulates",
+                    flight.estimator, convention, program));
+}
+
 /// Sets up the estimator of an autopilot, which a general filter approximates.
 void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFlight& flight) {
   const bool truth = setup.estimator == EstimatorKind::truth;
@@ -381,6 +411,8 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
   if (flight.bound && setup.real_sensors) note_drifts(flight);
   note_short_flight(flight);
+  if (const auto* feedback = std::get_if<StateFeedbackController>(&setup.controller))
+    note_other_yaw(yaw_of(feedback->gains), flight);
   return flight;
 }
 
@@ -390,6 +422,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   const Mission mission = load_mission(options.mission);
   PlannedFlight flight = plan_flight(options, vehicle, mission, choose_law(options, vehicle, who));
   note_unused_wind(flight);
+  note_other_estimator(options, flight);
   return flight;
 }
 

@@ -124,7 +124,7 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
 
 std::string describe(const FlownLoop& loop) {
   const double rate = std::abs(loop.decay());
-  std::string text = joined(loop.mode.states) + ": ";
+  std::string text = "the mode of " + joined(loop.mode.states) + " ";
   constexpr double kNeutral = 1e-6;  // [1/s], too small to be observable in a flight
   if (rate < kNeutral)
     text += "neither grows nor decays";

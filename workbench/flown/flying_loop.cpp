@@ -22,10 +22,17 @@ class NedTrim {
     Eigen::VectorXd full = Eigen::VectorXd::Zero(12);
     for (std::size_t i = 0; i < words.states.size(); ++i)
       for (std::size_t j = 0; j < gains.states.size(); ++j)
-        if (words.states[i].name == gains.states[j].name)
-          full(static_cast<Eigen::Index>(i)) = gains.x0(static_cast<Eigen::Index>(j));
+        if (words.states[i].name == gains.states[j].name) {
+          const auto state = static_cast<Eigen::Index>(i);
+          full(state) = gains.x0(static_cast<Eigen::Index>(j));
+          in_world_axes_ = in_world_axes_ || !words.from_ned.row(state).head<2>().isZero(0);
+        }
     x_ = words.from_ned.transpose() * full;
   }
+
+  /// Whether the gains feed back a horizontal position.
+  [[nodiscard]] bool in_world_axes() const { return in_world_axes_; }
+  [[nodiscard]] double yaw() const { return x_(5); }
 
   /// The flight condition of this trim.
   [[nodiscard]] FlightCondition condition() const {
@@ -39,6 +46,7 @@ class NedTrim {
 
  private:
   Eigen::Matrix<double, 12, 1> x_;
+  bool in_world_axes_ = false;
 };
 
 }  // namespace
@@ -88,6 +96,11 @@ Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
   return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, place_of(vehicle));
+}
+
+std::optional<double> yaw_of(const Gains& gains) {
+  const NedTrim trim(gains);
+  return trim.in_world_axes() ? std::optional(trim.yaw()) : std::nullopt;
 }
 
 VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {

@@ -19,6 +19,12 @@ std::string figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "-";
 }
 
+/// Whether a variance of 0 is the most likely, and the logs bound it. The file contains the bound: a
+/// filter without process noise ignores its measurements after some time.
+bool bounded_at_zero(const FittedParameter& p) {
+  return p.verdict == ParameterVerdict::at_zero && p.high > 0 && std::isfinite(p.high);
+}
+
 }  // namespace
 
 TunedNoise tune_noise(NoiseLogs logs, const NoiseTuningOptions& options) {
@@ -51,18 +57,21 @@ std::string tuned_model_file(const TunedNoise& tuned, const std::string& command
                                      internal::printable(channel.file, kCommentLength)));
   }
   for (const FittedParameter& p : tuned.tuning.fit.parameters)
-    comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value), figure(p.low),
-                                   figure(p.high), to_string(p.verdict)));
+    comments.push_back(fmt::format("{}: {} ({} to {}), {}{}", p.name, figure(p.value),
+                                   figure(p.low), figure(p.high), to_string(p.verdict),
+                                   bounded_at_zero(p) ? "; the upper bound is used" : ""));
   comments.push_back(fmt::format("verdict: {}", to_string(tuned.tuning.verdict)));
   for (const std::string& reason : tuned.tuning.reasons) comments.push_back("  " + reason);
   for (const std::string& warning : tuned.tuning.warnings)
     comments.push_back("warning: " + warning);
   FilterModel model = with_noise(tuned.model, tuned.tuning.fit.theta);
   for (const FittedParameter& p : tuned.tuning.fit.parameters)
-    for (NoiseParameter& parameter : model.parameters)
-      if (parameter.name == p.name && parameter.logarithmic && p.low > 0 && p.low < p.high &&
-          std::isfinite(p.high))
+    for (NoiseParameter& parameter : model.parameters) {
+      if (parameter.name != p.name || !parameter.logarithmic) continue;
+      if (bounded_at_zero(p)) parameter.start = p.high;
+      if (p.low > 0 && p.low < p.high && std::isfinite(p.high))
         parameter.interval = {p.low, p.high};
+    }
   model.verdict = to_string(tuned.tuning.verdict);
   return text_of_filter_model(model, comments);
 }

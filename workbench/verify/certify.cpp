@@ -134,9 +134,6 @@ FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
 bool CertifiedLaw::proved() const { return reason().empty(); }
 
 std::string CertifiedLaw::reason() const {
-  if (family.max_scale < 1)
-    return fmt::format("the vehicle cannot hover everywhere in the box: {}",
-                       family.max_scale_reason);
   if (robustness.worst.unstable())
     return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
                        describe(family, robustness.worst.parameters));
@@ -144,10 +141,13 @@ std::string CertifiedLaw::reason() const {
     return fmt::format(
         "{}: the flown loop, with sensors and the estimator {}, is unstable at {}: {}", name,
         flown->worst->estimator, describe(family, flown->parameters), describe(*flown->worst));
+  if (family.max_scale < 1)
+    return fmt::format("the vehicle cannot hover everywhere in the box: {}",
+                       family.max_scale_reason);
   if (robustness.proof.proved()) return "";
   return fmt::format(
-      "{}: neither a proof nor an unstable loop was found within the budget: {}; the worst loop "
-      "found has |z| {:.6f}, at {}",
+      "{}: neither a proof nor an unstable loop was found; a larger budget or a smaller box may "
+      "decide. Not proved: {}. The worst loop found has |z| {:.6f}, at {}",
       name, robustness.proof.culprit, robustness.worst.radius,
       describe(family, robustness.worst.parameters));
 }

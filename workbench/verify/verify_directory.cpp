@@ -9,6 +9,7 @@
 #include "quadtune/design/export_target.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/exports_below.hpp"
+#include "quadtune/exports/file_set.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
@@ -161,6 +162,19 @@ std::optional<StoredEstimator> estimator_of(const std::string& directory) {
   }
 }
 
+/// Adds a failed check if the vehicle's file is not one of the files of the manifest.
+void check_same_vehicle(const Manifest& manifest, const Vehicle& vehicle, VerifyReport& report) {
+  if (vehicle.text.empty() || manifest.inputs.empty()) return;
+  const std::string hash = sha256(vehicle.text);
+  if (std::any_of(manifest.inputs.begin(), manifest.inputs.end(),
+                  [&](const ManifestFile& input) { return input.sha256 == hash; }))
+    return;
+  report.checks.push_back(
+      {"the vehicle is that of the manifest", false,
+       fmt::format("{} has other bytes than the vehicle file from which the export was made",
+                   internal::printable(place_of(vehicle)))});
+}
+
 }  // namespace
 
 VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
@@ -209,6 +223,7 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
   const Vehicle vehicle = internal::vehicle_of_manifest(directory, manifest, vehicle_name);
   VerifyReport report = verify_with(
       directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design), nullptr, targets);
+  if (!vehicle_name.empty()) check_same_vehicle(manifest, vehicle, report);
   if (!manifest.forced.empty())
     report.checks.push_back({kForcedCheck, false,
                              "written with --force although " +

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
@@ -15,6 +16,21 @@
 
 namespace quadtune::internal {
 namespace {
+
+/// The unit of a variance of a quantity with this unit, as filter models write it: "m/s^2" gives
+/// "m2/s4".
+std::string unit_of_variance(const std::string& unit) {
+  static const std::map<std::string, std::string> units = {
+      {"m", "m2"}, {"Pa", "Pa2"}, {"uT", "uT2"}, {"rad/s", "rad2/s2"}, {"m/s^2", "m2/s4"}};
+  const auto found = units.find(unit);
+  return found == units.end() ? "" : found->second;
+}
+
+/// "m^2" and "m2" are the same unit.
+std::string without_carets(std::string unit) {
+  std::erase(unit, '^');
+  return unit;
+}
 
 /// Distribution of a sensor's standard deviation from a variance that was fitted to logs.
 Distribution read_fitted(const TomlTable& table, const UncertainQuantity& quantity,
@@ -33,12 +49,32 @@ Distribution read_fitted(const TomlTable& table, const UncertainQuantity& quanti
                        fmt::format("{} of the model '{}' has no interval, expected a variance that "
                                    "`quadtune tune kalman -o` estimated",
                                    parameter.name, model.name));
+  const std::string variance = unit_of_variance(quantity.unit);
+  if (!parameter.unit.empty() && !variance.empty() && without_carets(parameter.unit) != variance)
+    throw InvalidInput(
+        table.where("parameter"),
+        fmt::format("{} of the model '{}' is in {}, expected a variance in {} for {}",
+                    parameter.name, model.name, parameter.unit, variance, quantity.name));
   // The 95 % interval refers to the logarithm of the variance; that of the standard deviation is
   // half as wide.
   constexpr double kQuantile = 1.959963984540054;
   const auto& [low, high] = *parameter.interval;
   return {DistributionKind::log_normal, std::sqrt(parameter.start),
           0.5 * std::log(high / low) / (2 * kQuantile)};
+}
+
+/// Rejects a distribution of a ratio whose centre is far from 1, such as a mass in kg. Lags and
+/// noise may be far from the vehicle file's.
+void require_ratio(const TomlTable& table, const UncertainQuantity& quantity, double centre) {
+  constexpr double kMin = 0.2, kMax = 5;
+  if (quantity.kind != QuantityKind::ratio || quantity.name.ends_with("_noise") ||
+      quantity.name.ends_with("_lag") || (centre >= kMin && centre <= kMax))
+    return;
+  throw InvalidInput(
+      table.where(),
+      fmt::format("{} has the centre {:.6g}, expected {} to {}, because {} is a ratio to the value "
+                  "of the vehicle file",
+                  table.title(), centre, kMin, kMax, quantity.name));
 }
 
 Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& quantity,
@@ -63,6 +99,7 @@ Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& q
     result.kind = DistributionKind::uniform;
     result.first = table.number("low");
     result.second = table.number("high");
+    require_ratio(table, quantity, 0.5 * (result.first + result.second));
     return result;
   }
   const bool logarithmic = present[0] == "log_normal";
@@ -72,6 +109,7 @@ Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& q
   // A value that replaces another one has no default centre.
   result.first = quantity.kind == QuantityKind::value ? table.number(centre)
                                                       : table.number_or(centre, nominal);
+  require_ratio(table, quantity, result.first);
   result.second = table.number("deviation");
   result.min = table.number_or("least", result.min);
   result.max = table.number_or("most", result.max);

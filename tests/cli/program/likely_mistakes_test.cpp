@@ -303,5 +303,165 @@ TEST_F(LikelyMistakes, FrequencyDataMayHaveTheirUnitsInBrackets) {
             "another one\n");
 }
 
+TEST_F(LikelyMistakes, AnOutputDoesNotReplaceAnInput) {
+  const std::string log = folder_.write("log.csv", "t_s,gx\n0,1\n0.1,2\n0.2,3\n").string();
+  const ProgramResult result = run_program({"log", log, "-o", folder_.path() / "." / "log.csv"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err,
+            "quadtune log: -o is " + log + ", which the command reads; expected another file\n");
+  std::ifstream file(log);
+  std::ostringstream kept;
+  kept << file.rdbuf();
+  EXPECT_THAT(kept.str(), HasSubstr("0.2,3\n"));
+  EXPECT_EQ(run_program({"log", log, "-o", path("other.txt")}).status, 0);
+}
+
+TEST_F(LikelyMistakes, NumbersOfAListInSeparateWords) {
+  EXPECT_THAT(run_program({"margins", "--num", "25", "--den", "1", "10", "10"}).err,
+              HasSubstr("unexpected argument '10' (the numbers of a list are one word, such as "
+                        "1,10,10), expected: quadtune margins "));
+}
+
+// Position is in world axes: gains for the yaw 1.57 rad mix north and east at the yaw 0.
+TEST_F(LikelyMistakes, AStateFeedbackForAnotherYawIsNoted) {
+  const std::string east =
+      changed("designs/uquad-hover.toml", "yaw_rad = 0", "yaw_rad = 1.57", "east.toml");
+  const std::string mission = folder_
+                                  .write("east-hover.toml",
+                                         "name = \"east\"\nduration_s = 5\n[start]\nheight_m = "
+                                         "1\nyaw_rad = 1.57\n[hover]\nheight_m = 1\n")
+                                  .string();
+  const std::vector<std::string> fly = {"fly",          "uquad", "--gains",    east,
+                                        "--controller", "lqr",   "--duration", "1",
+                                        "--estimator",  "truth"};
+  std::vector<std::string> there = fly;
+  there.insert(there.end(), {"--mission", mission});
+  EXPECT_THAT(run_program(fly).err,
+              HasSubstr("fly: note: the gains are for the yaw 1.57 rad, and the mission begins at "
+                        "the yaw 0 rad"));
+  const ProgramResult right = run_program(there);
+  EXPECT_LE(right.status, 1) << right.err;
+  EXPECT_THAT(right.err, Not(HasSubstr("the gains are for the yaw")));
+}
+
+TEST_F(LikelyMistakes, ALineWithoutSpeedIsAHover) {
+  EXPECT_THAT(run_program({"linearize", "uquad", "--at", "line"}).err,
+              HasSubstr("--at line without --speed and --climb is a hover"));
+  EXPECT_THAT(run_program({"linearize", "uquad", "--at", "line", "--speed", "2"}).err,
+              Not(HasSubstr("is a hover")));
+}
+
+TEST_F(LikelyMistakes, CampaignsRejectRatiosFarFrom1AndVariancesOfOtherUnits) {
+  const std::string head =
+      "name = \"c\"\nvehicle = \"mambo\"\nflights = 2\n[[design]]\nname = \"d\"\ngains = "
+      "\"designed\"\n[[mission]]\nmission = \"hover\"\nduration_s = 1\n[[vary]]\n";
+  const auto plan = [&](const std::string& vary) {
+    return run_program(
+        {"campaign", "init", folder_.write("c.toml", head + vary).string(), path("plan")});
+  };
+  const ProgramResult mass =
+      plan("quantity = \"mass\"\nnormal = { mean = 0.063, deviation = 0.002 }\n");
+  EXPECT_EQ(mass.status, 3);
+  EXPECT_THAT(mass.err,
+              HasSubstr("has the centre 0.063, expected 0.2 to 5, because mass is a ratio "
+                        "to the value of the vehicle file"));
+  (void)changed("filters/attitude.toml", "unit = \"rad2\"\n",
+                "unit = \"rad2\"\ninterval = [1e-4, 1e-2]\n", "attitude.toml");
+  const ProgramResult sonar = plan(
+      "quantity = \"sonar_deviation\"\nfitted = { file = "
+      "\"attitude.toml\", parameter = \"R.tilt\" }\n");
+  EXPECT_EQ(sonar.status, 3);
+  EXPECT_THAT(sonar.err, HasSubstr("is in rad2, expected a variance in m2 for sonar_deviation"));
+}
+
+TEST_F(LikelyMistakes, TheSeedOfACampaignIsThatOfItsPlan) {
+  const std::string file =
+      folder_
+          .write("c.toml",
+                 "name = \"c\"\nvehicle = \"mambo\"\nflights = 2\nseed = 1\n[[design]]\nname = "
+                 "\"d\"\ngains = \"published\"\n[[mission]]\nmission = \"hover\"\nduration_s = 1\n")
+          .string();
+  EXPECT_EQ(run_program({"campaign", "init", file, path("five"), "--seed", "5"}).status, 0);
+  std::ifstream plan(path("five/plan.json"));
+  std::ostringstream text;
+  text << plan.rdbuf();
+  EXPECT_THAT(text.str(), ::testing::ContainsRegex("\"seed\": *5"));
+  const ProgramResult late =
+      run_program({"campaign", "work", path("five"), "--shard", "0", "--seed", "6"});
+  EXPECT_EQ(late.status, 2);
+  EXPECT_EQ(late.err,
+            "quadtune campaign work: --seed has no effect, because the plan contains the seed; "
+            "expected it in `campaign init`\n");
+}
+
+TEST_F(LikelyMistakes, ImportedValuesOutsideThePublishedRangesAreNoted) {
+  const std::string file = folder_.write("a.param", "ANGLE_MAX 30\nATC_RAT_RLL_P 0.135\n").string();
+  const std::string vehicle = source_folder() + "/vehicles/quad-450.toml";
+  EXPECT_THAT(run_program({"import", "ardupilot", file, "--vehicle", vehicle}).err,
+              HasSubstr("outside the published range: ANGLE_MAX is 30 (1000 to 8000)"));
+  const std::string hexa = folder_.write("h.param", "FRAME_CLASS 2\n").string();
+  const ProgramResult frame = run_program({"import", "ardupilot", hexa, "--vehicle", vehicle});
+  EXPECT_EQ(frame.status, 3);
+  EXPECT_THAT(frame.err,
+              HasSubstr("FRAME_CLASS is 2, expected 1, because quad-450 has four rotors"));
+}
+
+TEST_F(LikelyMistakes, AnExportWithoutTheFilterOfADerivativeIsNoted) {
+  const ProgramResult pid = run_program({"pid", "crazyflie", "--rate-lead", "0.03", "--json"});
+  const std::string gains = folder_.write("gains.json", pid.out).string();
+  EXPECT_THAT(run_program({"export", gains, "--to", "crazyflie", "--vehicle", "crazyflie", "-o",
+                           path("board")})
+                  .err,
+              HasSubstr("rate_filter_s is not written: the firmware has no parameter"));
+}
+
+TEST_F(LikelyMistakes, ACutoffAboveAFullBattery) {
+  const std::string vehicle =
+      folder_
+          .write(
+              "v.toml",
+              [] {
+                std::ifstream file(source_folder() + "/vehicles/uquad.toml");
+                std::ostringstream text;
+                text << file.rdbuf();
+                return text.str();
+              }() +
+                  "\n[battery]\ncapacity_A_h = 5\nfull_voltage_V = 12.6\nempty_voltage_V = 10.5\n"
+                  "cutoff_voltage_V = 13\n")
+          .string();
+  EXPECT_THAT(run_program({"vehicle", "check", vehicle}).err,
+              HasSubstr("cutoff_voltage_V in [battery] is 13, expected less than full_voltage_V, "
+                        "12.6"));
+}
+
+// A height that is positive upwards, where the model expects one that is positive downwards: a large
+// process noise makes the filter follow it.
+TEST_F(LikelyMistakes, AChannelOfTheOppositeSignFailsATuning) {
+  std::ifstream file(source_folder() + "/docs/examples/bobbing.csv");
+  std::string line, flipped;
+  std::getline(file, line);
+  flipped = line + "\n";
+  while (std::getline(file, line)) {
+    const std::size_t value = line.rfind(',') + 1;
+    const std::string height = line.substr(value);
+    flipped += line.substr(0, value) +
+               (height.empty()            ? ""
+                : height.starts_with('-') ? height.substr(1)
+                                          : "-" + height) +
+               "\n";
+  }
+  const ProgramResult result =
+      run_program({"tune", "kalman", "--model", "altitude", "--starts", "1", "--log",
+                   folder_.write("flipped.csv", flipped).string()});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err,
+              HasSubstr("with the opposite sign of sonar or of az the log-likelihood is "
+                        "larger by "));
+  const ProgramResult right =
+      run_program({"tune", "kalman", "--model", "altitude", "--starts", "1", "--log",
+                   source_folder() + "/docs/examples/bobbing.csv"});
+  EXPECT_EQ(right.status, 0) << right.err;
+}
+
 }  // namespace
 }  // namespace quadtune::testing

@@ -84,6 +84,12 @@ TEST(Plausibility, DetectsWrongUnits) {
        [](Vehicle& v) {
          v.battery = Battery{600 * 3600.0, 4.2, 3.2};
        }},
+      {"the order of inertia_kg_m2", [](Vehicle& v) { v.inertia(2, 2) *= 0.25; }},
+      {"altitude_thrust_fraction is too small",
+       [](Vehicle& v) { v.altitude_thrust_fraction = 0.3; }},
+      {"takeoff_gain may be in percent", [](Vehicle& v) { v.takeoff_gain = 20; }},
+      {"attitude control requires", [](Vehicle& v) { v.sensors.gyroscope->rate = 5; }},
+      {"noise seems to be in deg/s", [](Vehicle& v) { v.sensors.gyroscope->noise.setConstant(3); }},
   };
   for (const std::string& name : built_in_vehicles())
     for (const Mistake& mistake : mistakes) {

@@ -400,7 +400,7 @@ TEST(ProveStability, ReportsWhereItStopped) {
   few.max_boxes = 3;
   const StabilityProof stopped = prove_stability(integrator(), gains(0.01, 0.99, 0, 1), few);
   EXPECT_EQ(stopped.status, StabilityProofStatus::not_proved);
-  EXPECT_THAT(stopped.culprit, HasSubstr("3 boxes were examined"));
+  EXPECT_THAT(stopped.culprit, HasSubstr("3 parts of the box were examined"));
   EXPECT_TRUE(std::isnan(stopped.gap));
   few.interrupted = [] { return true; };
   EXPECT_EQ(prove_stability(integrator(), gains(0.5, 1), few).status,

@@ -78,7 +78,8 @@ struct RobustnessOptions {
 struct Robustness {
   StabilityProof proof;     ///< of the unscaled box
   WorstCase worst;          ///< the largest radius that the search found in that box
-  double proved_scale = 0;  ///< the largest scale that was proved; 0: not even nominal
+  /// The largest scale that was proved, at most LoopFamily::max_scale; 0: not even nominal.
+  double proved_scale = 0;
   /// The smallest scale at which an unstable loop was found; infinite if none was found up to
   /// LoopFamily::max_scale.
   double found_scale = std::numeric_limits<double>::infinity();

@@ -43,9 +43,11 @@ struct MadeCampaign {
 /// Reads a campaign file (docs/formats.md) and computes the gains that it requests.
 /// @param file    campaign file
 /// @param shards  0: the number in the file, or a number for which a shard takes some minutes
+/// @param seed    replaces that of the file
 /// @throws InvalidInput  "file:line: …"
 /// @throws FileError, NoSolution
-[[nodiscard]] MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards);
+[[nodiscard]] MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards,
+                                         const std::optional<std::uint64_t>& seed = {});
 
 /// Loads a plan and checks that no file was changed since it was written.
 /// @throws InvalidInput  if a file was changed or another version wrote the plan; names it

@@ -18,8 +18,9 @@ struct NearbyFiles {
 };
 
 /// Inspects at most 10,000 entries of the folder and ignores hidden ones. If some entries have the
-/// extension of the path, only those are considered.
-/// @param most  maximum number of names
+/// extension of the path, only those are considered; if the path has none, an entry that differs
+/// only by its extension is the most similar.
+/// @param max  maximum number of names
 [[nodiscard]] NearbyFiles nearby_files(const std::filesystem::path& path, std::size_t max);
 
 }  // namespace quadtune

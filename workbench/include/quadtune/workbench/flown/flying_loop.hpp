@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/verify.hpp"
@@ -31,6 +32,10 @@ namespace quadtune {
 /// The continuous model for gains from another source: the vehicle linearized at gains.x0.
 /// @throws NoSolution  if the vehicle has no such trim
 [[nodiscard]] Linearization linearization_of(const Vehicle& vehicle, const Gains& gains);
+
+/// The yaw [rad] at which a feedback of horizontal position is valid, because the position is in
+/// world axes; empty if the gains feed back none.
+[[nodiscard]] std::optional<double> yaw_of(const Gains& gains);
 
 /// The same, sampled with the sample time of the gains.
 [[nodiscard]] VerifyModel model_of(const Vehicle& vehicle, const Gains& gains);
