@@ -48,7 +48,7 @@ CertifyOptions certify_options(const Options& options, const Context& context) {
 }
 
 void run_certify(Options& options, Context& context) {
-  options.controller = controller_kind(options.controller);
+  options.controller = controller_kind(options.controller, false);
   if (options.directory.empty()) refuse("DIR", "expected an export's directory");
   const CertifyReport report = certify(options.directory, certify_options(options, context));
   if (report.failed)
@@ -72,9 +72,8 @@ void add_options(CommandLine& line, Options& options) {
       "ratios of the rotors' thrust and drag torque (default: that of the vehicle's [spread], or "
       "0.9:1.1)");
   line.add_option("--delay LOW:HIGH", options.delay,
-                  "delay of the loop in addition to the zero-order hold [s] (default: from the "
-                  "delay of the commands to that "
-                  "delay plus its jitter and one period)");
+                  "delay of the loop in addition to the zero-order hold [s] (default: LOW is the "
+                  "delay of the commands, HIGH is this delay plus its jitter plus one period)");
   line.add_option(
       "--lag LOW:HIGH", options.lag,
       "time constant of the motors [s] (default: that of the vehicle, the larger one if "

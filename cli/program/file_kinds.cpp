@@ -89,7 +89,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     const std::string file = equals == std::string::npos ? args[i] : args[i].substr(equals + 1);
     if (file.empty() || !names(file)) continue;
     // The kind of a file that would be written is not the problem.
-    if (place_of(args, i) == "-o") return "";
+    if (place_of(args, i).ends_with(" -o")) return "";
     const std::optional<FileKind> kind = file_kind(file);
     if (!kind) return "";
     const Words takers = takers_of(*kind);

@@ -151,6 +151,12 @@ class Search {
 
   bool weight() {
     const double ratio = thrust_to_weight(vehicle_);
+    constexpr double kTooHeavy = 0.4;  // unlikely to be a wrong unit
+    if (ratio < 1 && ratio > kTooHeavy) {
+      look_for("the vehicle is too heavy for its rotors", "maximum thrust over weight", "", ratio,
+               {1, 10});
+      return false;
+    }
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
     const std::string max = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;

@@ -37,7 +37,7 @@ CertifyReport certify_directory(const Path& directory, const std::optional<Vehic
                                 std::size_t threads) {
   CertifyOptions options;
   if (vehicle) options.vehicle = vehicle->text;
-  options.controller = controller_kind(controller);
+  options.controller = controller_kind(controller, false);
   if (mass) options.mass = uncertain_ratios(text(*mass), "mass");
   if (inertia) options.inertia = uncertain_ratios(text(*inertia), "inertia");
   if (thrust) options.thrust = uncertain_ratios(text(*thrust), "thrust");

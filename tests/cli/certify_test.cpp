@@ -210,6 +210,9 @@ TEST_F(CertifyTest, RefusesBadBoxes) {
   EXPECT_THAT(refused({out, "--lag", "0.1:1.5"}, 2),
               HasSubstr("--lag is up to 1.5 s, expected at most 1 s"));
   EXPECT_THAT(refused({out, "--controller", "pdi"}, 2), HasSubstr("--controller is 'pdi'"));
+  // The loops of an autopilot are certified as the cascade that `import` derives.
+  EXPECT_THAT(refused({out, "--controller", "firmware"}, 2),
+              HasSubstr("expected cascaded-pid (or pid) or state-feedback (or lqr)"));
   EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));
   EXPECT_THAT(refused({out, "--plant", "real"}, 2), HasSubstr("--plant is 'real'"));
   EXPECT_THAT(refused({out, "--weight", "1"}, 2), StartsWith("quadtune certify: no option"));

@@ -67,13 +67,12 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   if (!report.cascade.solved()) {
     const CascadeAxisDesign& failed = report.cascade.failed();
     const bool held = std::isfinite(failed.bounds.rate_noise_max);
-    throw NoSolution(
-        fmt::format(
-            "{}: pid: {}: {}: {}{}", where, to_string(failed.axis), to_string(failed.design.status),
-            failed.design.culprit,
-            held ? "; the bounds that are not given are those of the vehicle's published gains"
-                 : ""),
-        where);
+    throw NoSolution(fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
+                                 to_string(failed.design.status), failed.design.culprit,
+                                 held ? "; the published gains of the vehicle set each of these "
+                                        "bounds for which no option was given"
+                                      : ""),
+                     where);
   }
   add_margins(report);
   return report;

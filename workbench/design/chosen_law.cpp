@@ -203,16 +203,17 @@ ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
 
 }  // namespace
 
-std::string controller_kind(const std::string& word) {
-  if (word.empty() || word == kCascadedPid || word == kStateFeedback || word == kFirmware)
+std::string controller_kind(const std::string& word, bool firmware) {
+  if (word.empty() || word == kCascadedPid || word == kStateFeedback ||
+      (firmware && word == kFirmware))
     return word;
   if (word == "pid") return kCascadedPid;
   if (word == "lqr") return kStateFeedback;
-  throw OptionError(
-      "controller",
-      fmt::format("controller is '{}', expected {} (or pid), {} (or lqr) or {}{}",
-                  internal::printable(word), kCascadedPid, kStateFeedback, kFirmware,
-                  internal::did_you_mean(word, {kCascadedPid, kStateFeedback, kFirmware})));
+  throw OptionError("controller",
+                    fmt::format("controller is '{}', expected {} (or pid){} {} (or lqr){}{}",
+                                internal::printable(word), kCascadedPid, firmware ? "," : " or",
+                                kStateFeedback, firmware ? fmt::format(" or {}", kFirmware) : "",
+                                internal::did_you_mean(word, {kCascadedPid, kStateFeedback})));
 }
 
 ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle, const std::string& who) {

@@ -222,12 +222,6 @@ Loop loop_of(const PlannedFlight& plan) {
   }
 }
 
-std::string with_others(const FlightEvidence& evidence) {
-  return fmt::format("{} with true states and {} with ideal sensors",
-                     evidence.passes_with_true_states ? "passes" : "fails",
-                     evidence.passes_with_ideal_sensors ? "passes" : "fails");
-}
-
 FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
                      const FlightEvidence& evidence, const std::vector<FlightEvent>& at_fault) {
   if (std::holds_alternative<MotorTest>(plan.setup.mission.kind) || only_undefined(flight))
@@ -247,119 +241,157 @@ FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const
   return measures_position(sensors_of(plan.setup)) ? FlightCause::sensors : FlightCause::drift;
 }
 
-void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
-             const Loop& loop, const std::vector<FlightEvent>& at_fault, Diagnosis& diagnosis) {
-  const FlightEvidence& evidence = diagnosis.evidence;
-  const std::string others = with_others(evidence);
-  const std::string knows =
-      std::isfinite(evidence.bound_rms)
-          ? fmt::format(
-                "the position estimate has an error of {:.3g} m rms; the optimal filter with "
-                "these sensors would have {:.3g} m",
-                evidence.estimate_rms, evidence.bound_rms)
-          : fmt::format("the position estimate has an error of {:.3g} m rms",
-                        evidence.estimate_rms);
-  switch (diagnosis.cause) {
-    case FlightCause::none:
-      return;
-    case FlightCause::unstable_loop:
-    case FlightCause::estimator_loop:
-      diagnosis.why =
-          fmt::format("the flown loop is unstable, largest |z| {:.6f} ({}); {}",
-                      evidence.largest_pole, describe(*loop.loop), what_helps(plan, *loop.loop));
-      diagnosis.next = diagnosis.cause == FlightCause::unstable_loop
-                           ? fmt::format("weaker gains, `{}`; `{}` shows the loop",
-                                         tune_command(plan), margins_command(plan))
-                           : fmt::format(
-                                 "another `--estimator`, or weaker gains, `{}`; `{}` shows "
-                                 "the loop",
-                                 tune_command(plan), margins_command(plan));
-      return;
-    case FlightCause::event: {
-      const bool heavy = too_heavy(plan, at_fault);
-      const bool saturated = evidence.saturation_with_true_states > kSaturated;
-      diagnosis.why =
-          fmt::format("{}: with true states the law passes without it and fails with it: {}{}",
-                      describe(at_fault), first_missed(truth),
-                      heavy       ? ", heavier than the maximum thrust of the law"
-                      : saturated ? fmt::format(", a motor at its limit for {:.0f} % of the flight",
-                                                100 * evidence.saturation_with_true_states)
-                                  : "");
-      const std::string copy = "a copy of the mission's file";
-      diagnosis.next = loses_a_needed_motor(plan, at_fault)
-                           ? fmt::format(
-                                 "no law holds the heading with one of {} rotors at rest: {} with "
-                                 "thrust_share above 0",
-                                 plan.setup.vehicle.rotors.size(), copy)
-                       : heavy || saturated
-                           ? fmt::format("more thrust, or {} with a smaller [[event]]", copy)
-                           : fmt::format(
-                                 "`quadtune tune {} {} --mission FILE`, where FILE is {} with this "
-                                 "[[event]], or a copy with wider [limits]",
-                                 tuned_law(plan), vehicle_of(plan), copy);
+/// Writes the sentences `why` and `next` for a cause.
+class Explanation {
+ public:
+  Explanation(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
+              Diagnosis& diagnosis)
+      : plan_(plan), flight_(flight), truth_(truth), diagnosis_(diagnosis) {}
+
+  void write(const Loop& loop, const std::vector<FlightEvent>& at_fault) {
+    switch (diagnosis_.cause) {
+      case FlightCause::none:
+        return;
+      case FlightCause::unstable_loop:
+      case FlightCause::estimator_loop:
+        return of_loop(*loop.loop);
+      case FlightCause::event:
+        return of_event(at_fault);
+      case FlightCause::motor_limits:
+        return of_motor_limits();
+      case FlightCause::law:
+        return of_law();
+      case FlightCause::mission_limits:
+        return of_mission_limits();
+      case FlightCause::estimator:
+        return of_estimator();
+      case FlightCause::drift:
+        return of_drift();
+      case FlightCause::sensors:
+        return of_sensors();
+      case FlightCause::noise:
+        return of_noise();
+    }
+  }
+
+ private:
+  void of_loop(const FlownLoop& loop) {
+    diagnosis_.why = fmt::format("the flown loop is unstable, largest |z| {:.6f} ({}); {}",
+                                 evidence_.largest_pole, describe(loop), what_helps(plan_, loop));
+    diagnosis_.next = fmt::format(
+        "{}weaker gains, `{}`; `{}` shows the loop",
+        diagnosis_.cause == FlightCause::unstable_loop ? "" : "another `--estimator`, or ",
+        tune_command(plan_), margins_command(plan_));
+  }
+
+  void of_event(const std::vector<FlightEvent>& at_fault) {
+    const bool heavy = too_heavy(plan_, at_fault);
+    const bool saturated = evidence_.saturation_with_true_states > kSaturated;
+    diagnosis_.why =
+        fmt::format("{}: with true states the law passes without it and fails with it: {}{}",
+                    describe(at_fault), first_missed(truth_),
+                    heavy       ? ", heavier than the maximum thrust of the law"
+                    : saturated ? fmt::format(", a motor at its limit for {:.0f} % of the flight",
+                                              100 * evidence_.saturation_with_true_states)
+                                : "");
+    const std::string copy = "a copy of the mission's file";
+    if (loses_a_needed_motor(plan_, at_fault))
+      diagnosis_.next = fmt::format(
+          "no law holds the heading with one of {} rotors at rest: {} with thrust_share above 0",
+          plan_.setup.vehicle.rotors.size(), copy);
+    else if (heavy || saturated)
+      diagnosis_.next = fmt::format("more thrust, or {} with a smaller [[event]]", copy);
+    else
+      diagnosis_.next = fmt::format(
+          "`quadtune tune {} {} --mission FILE`, where FILE is {} with this [[event]], or a copy "
+          "with wider [limits]",
+          tuned_law(plan_), vehicle_of(plan_), copy);
+  }
+
+  void of_motor_limits() {
+    diagnosis_.why = fmt::format(
+        "the flight was repeated with true states: a motor is then at its limit for {:.0f} % of "
+        "the time, so the gains require more than the motors can produce, or the mission more than "
+        "the vehicle can fly",
+        100 * evidence_.saturation_with_true_states);
+    diagnosis_.next = fmt::format("`{}` finds gains within the limits", tune_command(plan_));
+  }
+
+  void of_law() {
+    diagnosis_.why =
+        fmt::format("the law alone fails{}: with true states, {}",
+                    wind_option(plan_).empty() ? "" : " in this wind", first_missed(truth_));
+    diagnosis_.next = fmt::format("`{}`", tune_command(plan_));
+    if (is_cascade(plan_))
+      diagnosis_.next +=
+          fmt::format(", or faster loops: `quadtune pid {} --Ms-max 1.7 --tracking-max 1.5`",
+                      vehicle_of(plan_));
+  }
+
+  void of_mission_limits() {
+    if (only_undefined(flight_)) {
+      diagnosis_.why = "a metric that has a limit is undefined in this flight";
+      diagnosis_.next = "a longer flight, or a copy of the mission's file without this limit";
       return;
     }
-    case FlightCause::motor_limits:
-      diagnosis.why = fmt::format(
-          "the flight was repeated with true states: a motor is then at its limit for {:.0f} % of "
-          "the time, so the gains require "
-          "more than the motors can produce, or the mission more than the vehicle can fly",
-          100 * evidence.saturation_with_true_states);
-      diagnosis.next = fmt::format("`{}` finds gains within the limits", tune_command(plan));
-      return;
-    case FlightCause::law:
-      diagnosis.why =
-          fmt::format("the law alone fails{}: with true states, {}",
-                      wind_option(plan).empty() ? "" : " in this wind", first_missed(truth));
-      diagnosis.next =
-          is_cascade(plan)
-              ? fmt::format(
-                    "`{}`, or faster loops: `quadtune pid {} --Ms-max 1.7 --tracking-max "
-                    "1.5`",
-                    tune_command(plan), vehicle_of(plan))
-              : fmt::format("`{}`", tune_command(plan));
-      return;
-    case FlightCause::mission_limits:
-      if (only_undefined(flight)) {
-        diagnosis.why = "a metric that has a limit is undefined in this flight";
-        diagnosis.next = "a longer flight, or a copy of the mission's file without this limit";
-        return;
-      }
-      diagnosis.why = fmt::format(
-          "the mission's limits are tight for this law: with true states, {}", first_missed(truth));
-      diagnosis.next = fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
-                                   tune_command(plan));
-      return;
-    case FlightCause::estimator:
-      diagnosis.why = fmt::format("the estimator: the law {}, and {}", others, knows);
-      diagnosis.next = fmt::format(
-          "another `--estimator`; `{} --sensors ideal` repeats the flight "
-          "without noise",
-          fly_command(plan));
-      return;
-    case FlightCause::drift:
-      diagnosis.why =
-          fmt::format("drift: no sensor measures the position, and {}; the law {}", knows, others);
-      diagnosis.next = fmt::format(
-          "[sensors.gps] or [sensors.vision] in the vehicle's file, or a "
-          "shorter flight: `{} --duration {:.3g}`",
-          fly_command(plan), duration_of(plan.setup) / 4);
-      return;
-    case FlightCause::sensors:
-      diagnosis.why = fmt::format("the sensors: {}; the law {}", knows, others);
-      diagnosis.next =
-          "better sensors in the vehicle's file, or a copy of the mission's file with wider "
-          "[limits]";
-      return;
-    case FlightCause::noise:
-      diagnosis.why = fmt::format(
-          "the law converts the noise of the estimate into motion: {}, motors at their limits for "
-          "{:.0f} % of the flight; the law {}",
-          first_missed(flight), 100 * evidence.saturation, others);
-      diagnosis.next = fmt::format("`{}` finds gains that react less", tune_command(plan));
-      return;
+    diagnosis_.why = fmt::format(
+        "the mission's limits are tight for this law: with true states, {}", first_missed(truth_));
+    diagnosis_.next = fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
+                                  tune_command(plan_));
   }
-}
+
+  void of_estimator() {
+    diagnosis_.why =
+        fmt::format("the estimator: the law {}, and {}", others(), what_the_estimate_knows());
+    diagnosis_.next =
+        fmt::format("another `--estimator`; `{} --sensors ideal` repeats the flight without noise",
+                    fly_command(plan_));
+  }
+
+  void of_drift() {
+    diagnosis_.why = fmt::format("drift: no sensor measures the position, and {}; the law {}",
+                                 what_the_estimate_knows(), others());
+    diagnosis_.next = fmt::format(
+        "[sensors.gps] or [sensors.vision] in the vehicle's file, or a shorter flight: `{} "
+        "--duration {:.3g}`",
+        fly_command(plan_), duration_of(plan_.setup) / 4);
+  }
+
+  void of_sensors() {
+    diagnosis_.why =
+        fmt::format("the sensors: {}; the law {}", what_the_estimate_knows(), others());
+    diagnosis_.next =
+        "better sensors in the vehicle's file, or a copy of the mission's file with wider [limits]";
+  }
+
+  void of_noise() {
+    diagnosis_.why = fmt::format(
+        "the law converts the noise of the estimate into motion: {}, motors at their limits for "
+        "{:.0f} % of the flight; the law {}",
+        first_missed(flight_), 100 * evidence_.saturation, others());
+    diagnosis_.next = fmt::format("`{}` finds gains that react less", tune_command(plan_));
+  }
+
+  [[nodiscard]] std::string others() const {
+    return fmt::format("{} with true states and {} with ideal sensors",
+                       evidence_.passes_with_true_states ? "passes" : "fails",
+                       evidence_.passes_with_ideal_sensors ? "passes" : "fails");
+  }
+
+  [[nodiscard]] std::string what_the_estimate_knows() const {
+    const std::string error =
+        fmt::format("the position estimate has an error of {:.3g} m rms", evidence_.estimate_rms);
+    if (!std::isfinite(evidence_.bound_rms)) return error;
+    return fmt::format("{}; the optimal filter with these sensors would have {:.3g} m", error,
+                       evidence_.bound_rms);
+  }
+
+  const PlannedFlight& plan_;
+  const FlownFlight& flight_;
+  const FlownFlight& truth_;
+  Diagnosis& diagnosis_;
+  const FlightEvidence& evidence_ = diagnosis_.evidence;
+};
 
 }  // namespace
 
@@ -406,7 +438,7 @@ Diagnosis diagnose(const PlannedFlight& plan, const FlownFlight& flight) {
             : FlightCause::estimator_loop;
   else
     diagnosis.cause = cause_of(plan, flight, truth, evidence, at_fault);
-  explain(plan, flight, truth, loop, at_fault, diagnosis);
+  Explanation(plan, flight, truth, diagnosis).write(loop, at_fault);
   return diagnosis;
 }
 

@@ -274,6 +274,36 @@ void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFligh
   fly_on_board(setup);
 }
 
+/// Sets up the estimator: that of the options, of the law's file, or one that the sensors allow.
+void choose_estimator(const FlightOptions& options, const FlightWords& words, const ChosenLaw& law,
+                      PlannedFlight& flight) {
+  FlightSetup& setup = flight.setup;
+  const Vehicle& vehicle = setup.vehicle;
+  const bool of_law = options.estimator.empty() && law.estimator && words.flow == FlowModel::full;
+  const std::string estimator = of_law ? law.estimator->name
+                                : options.estimator.empty()
+                                    ? usual_estimator(vehicle.sensors, words.flow)
+                                    : options.estimator;
+  try {
+    set_estimator(estimator, setup, flight);
+  } catch (const OptionError& error) {
+    if (!of_law) throw;
+    throw InvalidInput(law.words, error.what());
+  }
+  if (law.estimator && estimator == law.estimator->name) take_numbers(*law.estimator, setup);
+  if (law.on_board) put_on_board(options, setup, flight);
+  if (options.estimator.empty() && estimator == "truth") {
+    const std::string why = why_no_estimator(vehicle);
+    if (setup.real_sensors && !why.empty())
+      throw InvalidInput(
+          place_of(vehicle),
+          why + "; expected such a sensor, or the estimator 'truth', which is the true state");
+    flight.notes.push_back(fmt::format(
+        "the sensors of '{}' do not suffice for any estimator: the law uses the true state",
+        vehicle.name));
+  }
+}
+
 }  // namespace
 
 std::string why_no_estimator(const Vehicle& vehicle) {
@@ -368,29 +398,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   setup.flow_rate = options.flow_rate.value_or(0);
   setup.duration = options.duration.value_or(0);
   require_flow_sensor(options, setup);
-  const bool of_law = options.estimator.empty() && law.estimator && words.flow == FlowModel::full;
-  const std::string estimator = of_law ? law.estimator->name
-                                : options.estimator.empty()
-                                    ? usual_estimator(vehicle.sensors, words.flow)
-                                    : options.estimator;
-  try {
-    set_estimator(estimator, setup, flight);
-  } catch (const OptionError& error) {
-    if (!of_law) throw;
-    throw InvalidInput(law.words, error.what());
-  }
-  if (law.estimator && estimator == law.estimator->name) take_numbers(*law.estimator, setup);
-  if (law.on_board) put_on_board(options, setup, flight);
-  if (options.estimator.empty() && estimator == "truth") {
-    const std::string why = why_no_estimator(vehicle);
-    if (setup.real_sensors && !why.empty())
-      throw InvalidInput(
-          place_of(vehicle),
-          why + "; expected such a sensor, or the estimator 'truth', which is the true state");
-    flight.notes.push_back(fmt::format(
-        "the sensors of '{}' do not suffice for any estimator: the law uses the true state",
-        vehicle.name));
-  }
+  choose_estimator(options, words, law, flight);
   slow_down_attitude_filter(law, options, flight);
   setup.environment.dynamic = options.dynamic_environment;
   setup.environment.wind = words.wind;

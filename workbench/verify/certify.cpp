@@ -166,7 +166,7 @@ std::string CertifyReport::verdict() const {
 }
 
 CertifyReport certify(const std::string& directory, const CertifyOptions& options) {
-  const std::string controller = controller_kind(options.controller);
+  const std::string controller = controller_kind(options.controller, false);
   CertifyReport report{directory, ""};
   const VerifyReport verified = verify_directory(directory, options.vehicle);
   for (const VerifyCheck& check : verified.checks)

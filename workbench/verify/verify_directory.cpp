@@ -169,7 +169,9 @@ void check_same_vehicle(const Manifest& manifest, const Vehicle& vehicle, Verify
   if (std::any_of(manifest.inputs.begin(), manifest.inputs.end(),
                   [&](const ManifestFile& input) { return input.sha256 == hash; }))
     return;
-  report.checks.push_back(
+  // The first of the failed checks, because it is the cause of the others.
+  report.checks.insert(
+      report.checks.begin(),
       {"the vehicle is that of the manifest", false,
        fmt::format("{} has other bytes than the vehicle file from which the export was made",
                    internal::printable(place_of(vehicle)))});

@@ -149,8 +149,9 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
       c.verdict = CheckVerdict::fail;
       c.reason = fmt::format(
           "{}: the squared error is {:.3g} times as large as its variance implies, which is not "
-          "chance (95 % of such logs, with {:.0f} independent errors, give {:.3g} to {:.3g} times)",
-          c.output, c.value, freedom, c.low, c.high);
+          "chance ({:.4g} % of such logs, with {:.0f} independent errors, give {:.3g} to {:.3g} "
+          "times)",
+          c.output, c.value, 100 * (1 - options.significance), freedom, c.low, c.high);
     }
     checks.push_back(c);
   }

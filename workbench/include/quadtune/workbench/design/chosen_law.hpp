@@ -51,8 +51,9 @@ struct ChosenLaw {
 };
 
 /// Returns "cascaded-pid", "state-feedback" or "firmware", also for "pid" and "lqr"; "" for "".
+/// @param firmware  whether the loops of an autopilot are a valid choice
 /// @throws OptionError  for other words
-[[nodiscard]] std::string controller_kind(const std::string& word);
+[[nodiscard]] std::string controller_kind(const std::string& word, bool firmware = true);
 
 /// The law that `gains`, `controller` and `integrator` of the options select.
 /// @param options  of the flight
