@@ -25,12 +25,12 @@ void require_words(const Options& options) {
   const FlightOptions& flight = options.flight;
   const std::vector<std::string>& known = compared_things();
   if (options.what.empty()) refuse("WHAT", "expected integrators, flow, filter or gains");
-  if (options.what != "gains" && !options.first.empty())
-    refuse("A", "unexpected argument '{}' after the vehicle; only `compare gains` takes two more",
-           options.first);
   if (std::find(known.begin(), known.end(), options.what) == known.end())
     refuse("WHAT", "unknown comparison '{}'; expected integrators, flow, filter or gains{}",
            options.what, internal::did_you_mean(options.what, known));
+  if (options.what != "gains" && !options.first.empty())
+    refuse("A", "unexpected argument '{}' after the vehicle; only `compare gains` takes two more",
+           options.first);
   const bool needs_sensors = options.what == "flow" || options.what == "filter";
   if (needs_sensors && !flight.vehicle.empty())
     if (const std::string missing = missing_sensor(options.what, flight.estimator.empty(),
@@ -42,6 +42,8 @@ void require_words(const Options& options) {
     refuse("A",
            "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
            "e.g. quadtune compare gains mambo published designed");
+  if (options.what == "gains" && options.first == options.second)
+    refuse("B", "gains: both sets are {}, expected two different ones", options.first);
 }
 
 std::array<PlannedFlight, 2> planned(const FlightPair& pair, const std::string& what,

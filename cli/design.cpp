@@ -102,8 +102,9 @@ void run_design(const CommandLine& line, Options& options, Context& context) {
 }
 
 void add_options(CommandLine& line, Options& options) {
-  line.add_option("FILE", options.file,
-                  "a design file (docs/formats.md) or a vehicle; a vehicle gets the default cascade");
+  line.add_option(
+      "FILE", options.file,
+      "a design file (docs/formats.md) or a vehicle; a vehicle gets the default cascade");
   line.add_option("-o DIR", options.directory, "directory to write; without it, only print");
   line.add_option("--to LIST", options.to,
                   "for a vehicle: formats to export, such as json,px4; default json,c. The gains "

@@ -75,8 +75,8 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option(
       "--vehicle V", options.request.vehicle,
-      "the vehicle, if the one that the gains name is neither built in nor, if SOURCE is "
-      "an export, found near it or in the working folder");
+      "the vehicle of the gains, if it is not built in and its file is not found in the working "
+      "folder or near the export SOURCE");
   line.add_option("--name NAME", options.request.name,
                   "prefix of the names in the C program; default: the vehicle's name, for a "
                   "schedule followed by _schedule");

@@ -76,7 +76,9 @@ void run_kalman(const Options& options, Context& context) {
   require_one_time(time);
   if (time.count() == 0)
     refuse("--discrete",
-           "the time of A is missing, expected --discrete, --continuous or --sampled DT");
+           "expected --discrete, --continuous or --sampled DT, because A does not show whether it "
+           "is that "
+           "of a discrete or of a continuous system");
   if (time.sampled) require_positive(*time.sampled, "--sampled");
   if (options.show_sampled && !time.sampled)
     refuse("--show-sampled", "--show-sampled requires --sampled DT");
@@ -88,6 +90,7 @@ void run_kalman(const Options& options, Context& context) {
     throw NoSolution(fmt::format("kalman: {}: {}", to_string(result.status), result.culprit),
                      "--A");
   if (!result.warning.empty()) context.note("warning: " + result.warning);
+  note_period(time, {}, context);
   const double period = time.continuous ? 0 : time.sampled.value_or(1);
   context.print(
       [&] {

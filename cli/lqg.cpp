@@ -67,7 +67,9 @@ void run_matrices(const CommandLine& line, const Options& options, Context& cont
   require_one_time(files.time);
   if (files.time.count() == 0)
     refuse("--discrete",
-           "the time of A and B is missing, expected --discrete, --continuous or --sampled DT");
+           "expected --discrete, --continuous or --sampled DT, because A does not show whether it "
+           "is that "
+           "of a discrete or of a continuous system");
   if (files.time.sampled) require_positive(*files.time.sampled, "--sampled");
   if (options.common.dt && !files.time.discrete)
     refuse("--dt", "--dt with matrices requires --discrete");
@@ -85,6 +87,7 @@ void run_matrices(const CommandLine& line, const Options& options, Context& cont
     throw NoSolution(
         fmt::format("lqg: filter: {}: {}", to_string(report.filter.status), report.filter.culprit),
         "--A");
+  note_period(files.time, options.common.dt, context);
   context.notes(report.messages);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   context.notes("warning: ", margin_warnings(report.margins));

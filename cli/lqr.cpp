@@ -136,6 +136,7 @@ void run_matrices(const Options& options, Context& context) {
                  read_matrix(options.N, context.in, "--N")};
   const MatrixLqrReport report = matrix_lqr(problem, evidence);
   require_solved(report.lqr.riccati, "--A");
+  note_period(options.time, options.vehicle.dt, context);
   context.notes(report.lqr.messages);
   context.notes("warning: ", margin_warnings(report.lqr.margins));
   context.print([&] { return to_json(report); },

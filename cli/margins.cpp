@@ -175,16 +175,16 @@ LoopReport vehicle_loop(const Options& options) {
 /// Requires exactly one of the ways to define a loop, and no option of the others.
 void require_one_loop(const Options& options, const CommandLine& line) {
   std::vector<std::string> given;
-  if (options.has_fraction()) given.emplace_back("--num and --den");
+  if (options.has_fraction()) given.emplace_back("a transfer function");
   if (options.has_matrices()) given.emplace_back("matrices");
   if (!options.frd.empty()) given.emplace_back("--frd");
   if (options.has_vehicle())
     given.push_back("the vehicle '" + internal::printable(options.flight.vehicle) + "'");
   if (given.size() != 1)
     refuse("V",
-           "expected exactly one loop, which is given by --num and --den, by --A, --B and --K, by "
-           "--A, --B and --C, by --frd, or by a vehicle with --gains{}",
-           given.empty() ? "" : "; came " + internal::joined(given, " and "));
+           "{}expected one loop: --num and --den, or --A, --B and --K, or --A, --B and --C, or "
+           "--frd, or a vehicle with --gains",
+           given.empty() ? "" : internal::joined(given, " and ") + " were given, ");
   if (options.has_vehicle() && options.controller.given())
     refuse("V",
            "a vehicle cannot be combined with a controller, because its gains are "

@@ -95,6 +95,12 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
       .asDiagonal();
 }
 
+void note_period(const TimeArguments& time, const std::optional<double>& dt,
+                 const Context& context) {
+  if (time.discrete && !dt)
+    context.note("note: the sample period is not known: times and frequencies are for 1 s");
+}
+
 void require_one_time(const TimeArguments& time) {
   if (time.count() > 1)
     refuse(

@@ -10,6 +10,8 @@
 
 namespace quadtune::cli {
 
+struct Context;
+
 /// Reads the matrix file of an option; `-` reads `in`. Returns an empty matrix if the option was
 /// not given.
 [[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in,
@@ -49,6 +51,11 @@ struct TimeArguments {
     return int{continuous} + int{discrete} + int{sampled.has_value()};
   }
 };
+
+/// Notes that the times in the output of a discrete problem are for a period of 1 s, if no other was
+/// given.
+void note_period(const TimeArguments& time, const std::optional<double>& dt,
+                 const Context& context);
 
 /// @throws UsageError  if more than one was given
 void require_one_time(const TimeArguments& time);

@@ -198,8 +198,8 @@ void add_options(CommandLine& line, Options& options) {
                 "states, integrals (as int_x) or inputs that share one weight; repeat the option "
                 "for several");
   line.add_number("--tolerance SHARE", options.tolerance,
-                  "largest difference of an entry, relative to its row's or column's largest, that "
-                  "counts as matched; default 0.001");
+                  "largest difference of an entry of the gain that counts as matched, relative to "
+                  "the largest entry of its row or of its column; default 0.001");
   line.add_count("--starts N", options.starts, 1,
                  "maximum number of searches from different starts; default 8");
   add_mission_tuning_options(line, options.missions);

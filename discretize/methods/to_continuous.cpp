@@ -40,10 +40,10 @@ void refuse_poles_without_logarithm(const MatrixXd& A) {
                          "zero in one sample; remove delays from the plant first");
     if (pole.imag() == 0 && pole.real() < 0)
       throw InvalidInput(
-          "zoh", fmt::format(
-                     "A has a pole at {:.6g}, expected the A of a discrete system without poles on "
-                     "the negative real axis, because sampling a continuous system gives none",
-                     pole.real()));
+          "zoh",
+          fmt::format("A has a pole at {:.6g}, expected none on the negative real axis, because "
+                      "sampling a continuous system gives none",
+                      pole.real()));
   }
 }
 

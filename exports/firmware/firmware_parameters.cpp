@@ -390,6 +390,13 @@ void write_crazyflie(Writer& w) {
   cascade(CascadeAxis::y, 1 / kDegrees, "posCtlPid.y", "velCtlPid.vy", "K", "Kff");
   cascade(CascadeAxis::altitude, scale.thrust * exports::kCrazyflieThrust, "posCtlPid.z",
           "velCtlPid.vz", "K", "Kff");
+  constexpr double kMaxThrust = 65535;
+  if (scale.hover > kMaxThrust)
+    throw InvalidInput(
+        "crazyflie",
+        fmt::format("'{}' hovers at {:.0f} % of the thrust of this Crazyflie's motors, expected a "
+                    "vehicle that they lift; another set-up may have stronger motors",
+                    w.vehicle().name, 100 * scale.hover / kMaxThrust));
   w.set("posCtlPid.thrustBase", scale.hover);
   constexpr double kUsualLeast = 20000;
   w.set("posCtlPid.thrustMin", std::min(kUsualLeast, scale.hover / 2));

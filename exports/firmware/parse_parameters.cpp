@@ -204,7 +204,7 @@ void parse_betaflight(const std::string& text, Collector& collector) {
     notes.push_back("profile " + flown + " is read, because the file selects it last");
   if (!sliders_off)
     notes.emplace_back(
-        "simplified_pids_mode is not OFF in this file: the sliders may overwrite its gains");
+        "the file does not set simplified_pids_mode = OFF: the sliders may overwrite its gains");
 }
 
 void parse_crazyflie(const std::string& text, const std::string& origin, Collector& collector) {

@@ -156,7 +156,7 @@ std::string list_of(const ModelNeeds& needs) {
   std::vector<std::string> items;
   for (const MissingSignal& one : needs.missing) {
     std::string item = with_unit(one.signal);
-    if (several && !one.sensor.empty()) item += " of " + one.sensor;
+    if (several && !one.sensor.empty()) item += " (sensor " + one.sensor + ")";
     if (!one.why.empty()) item += fmt::format(" ({})", one.why);
     items.push_back(std::move(item));
   }

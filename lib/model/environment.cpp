@@ -77,7 +77,11 @@ Wind parse_wind(const std::string& words, const std::string& where) {
                              "to, such as north=3 [m/s], or light, moderate or "
                              "severe for turbulence",
                              internal::printable(entry)));
-    if (target == nullptr || equals == std::string::npos)
+    if (target != nullptr && equals == std::string::npos)
+      throw InvalidInput(where,
+                         fmt::format("'{0}' has no value, expected {0}=NUMBER, such as {0}=3",
+                                     internal::printable(entry)));
+    if (target == nullptr)
       throw InvalidInput(
           where, fmt::format("no wind '{}', expected calm, light, moderate, severe or a list like "
                              "north=3,gust_east=2,gust_at=5 with {}{}",

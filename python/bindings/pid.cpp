@@ -97,10 +97,10 @@ PidOfPlant of_fraction(const Numbers& num, const Numbers& den, Real delay, const
   const bool bounds = Ms_max || Mt_max || noise_gain_max;
   const bool requirement = crossover || phase_margin;
   if (int{requirement} + int{rule.has_value()} + int{bounds} != 1)
-    throw OptionError(
-        "crossover",
-        "expected one of crossover with phase_margin, rule, or Ms_max with Mt_max and "
-        "noise_gain_max as wanted");
+    throw OptionError("crossover",
+                      "expected one requirement: crossover with phase_margin, or rule, or at least "
+                      "one of Ms_max, "
+                      "Mt_max and noise_gain_max");
   if (requirement && !(crossover && phase_margin))
     throw OptionError(crossover ? "phase_margin" : "crossover",
                       "crossover and phase_margin belong together, expected both");
@@ -257,8 +257,9 @@ void add_transfer_function(py::module_& module) {
       "num, den: coefficients in descending powers of s; delay >= 0 [s]. crossover > 0 [rad/s]\n"
       "with phase_margin, more than 0 and less than 180 [deg]; or rule \"amigo\", \"simc\",\n"
       "\"ziegler-nichols\", \"cohen-coon\" or \"lambda\" with tau_c > 0 [s] of the closed\n"
-      "loop; or the largest integral gain with max |S| up to Ms_max > 1, and Mt_max and\n"
-      "noise_gain_max as wanted. type: \"P\", \"PI\", \"PD\" or \"PID\". Tf >= 0 [s] of the\n"
+      "loop; or the largest integral gain with max |S| up to Ms_max > 1 and, if\n"
+      "given, Mt_max and noise_gain_max. type: \"P\", \"PI\", \"PD\" or \"PID\". Tf >= 0 [s] of "
+      "the\n"
       "filter of the derivative, unless a rule has its own. dt > 0 [s]: also discretize the\n"
       "gains by integrator, \"euler\", \"backward-euler\" or \"tustin\" (default). Raises\n"
       "NoSolution with the cause, InvalidInput for a wrong argument.");

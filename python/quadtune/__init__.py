@@ -11,12 +11,16 @@ prints, print() shows what the command prints, save() writes the JSON.
 
 from . import _quadtune
 from ._quadtune import *  # noqa: F403
+from ._arguments import explained as _explained
 from ._quadtune import __version__
 
 __all__ = sorted(name for name in vars(_quadtune) if not name.startswith("_"))
 
 # Messages and help say quadtune.Flight and not quadtune._quadtune.Flight.
 for _name in __all__:
-    if isinstance(vars(_quadtune)[_name], type):
-        vars(_quadtune)[_name].__module__ = __name__
-del _name
+    _value = vars(_quadtune)[_name]
+    if isinstance(_value, type):
+        _value.__module__ = __name__
+    elif callable(_value):
+        globals()[_name] = _explained(_value)
+del _name, _value

@@ -2100,8 +2100,8 @@ def pid(*, num: Numbers, den: Numbers, delay: float = 0.0, type: str = 'PID', cr
     num, den: coefficients in descending powers of s; delay >= 0 [s]. crossover > 0 [rad/s]
     with phase_margin, more than 0 and less than 180 [deg]; or rule "amigo", "simc",
     "ziegler-nichols", "cohen-coon" or "lambda" with tau_c > 0 [s] of the closed
-    loop; or the largest integral gain with max |S| up to Ms_max > 1, and Mt_max and
-    noise_gain_max as wanted. type: "P", "PI", "PD" or "PID". Tf >= 0 [s] of the
+    loop; or the largest integral gain with max |S| up to Ms_max > 1 and, if
+    given, Mt_max and noise_gain_max. type: "P", "PI", "PD" or "PID". Tf >= 0 [s] of the
     filter of the derivative, unless a rule has its own. dt > 0 [s]: also discretize the
     gains by integrator, "euler", "backward-euler" or "tustin" (default). Raises
     NoSolution with the cause, InvalidInput for a wrong argument."""

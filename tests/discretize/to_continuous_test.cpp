@@ -100,7 +100,7 @@ TEST(ToContinuous, RefusesPolesThatNoHoldHas) {
         (void)to_continuous_zoh(with_A(MatrixXd{{0.5, 1}, {0, -0.25}}));
       },
       ThrowsMessage<InvalidInput>(HasSubstr(
-          "zoh: A has a pole at -0.25, expected none on the negative real axis because")));
+          "zoh: A has a pole at -0.25, expected none on the negative real axis, because")));
   EXPECT_THAT(
       [] {
         (void)to_continuous_zoh(with_A(MatrixXd{{0.5, 1}, {0, 0}}));

@@ -424,7 +424,7 @@ TEST(Firmware, FilesOfOtherProgramsAreRead) {
       "file");
   ASSERT_EQ(dump.values.size(), 2u);
   EXPECT_EQ(dump.values[1].value, 60);  // of the profile that is selected last
-  EXPECT_THAT(dump.notes, Contains(HasSubstr("simplified_pids_mode is not OFF")));
+  EXPECT_THAT(dump.notes, Contains(HasSubstr("does not set simplified_pids_mode = OFF")));
   const ParameterFile misspelled =
       parse_parameters(newest(px4), "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_PICH_P\t6\t9\n", "file");
   EXPECT_EQ(misspelled.others, 1u);

@@ -50,6 +50,17 @@ void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
         to_string(turn.gains.axis)));
 }
 
+void note_unstable(const std::vector<FirmwareTurn>& turns, std::vector<std::string>& notes) {
+  std::vector<std::string> unstable;
+  for (const FirmwareTurn& turn : turns)
+    if (!turn.whole.stable) unstable.push_back(to_string(turn.gains.axis));
+  if (!unstable.empty())
+    notes.push_back(
+        fmt::format("the loops of {} are UNSTABLE in the firmware, with its filters and "
+                    "its delay",
+                    internal::joined(unstable, " and ")));
+}
+
 void note_hover(const Firmware& firmware, const Vehicle& vehicle, const ParameterFile& file,
                 std::vector<std::string>& notes) {
   for (const char* name : {"MPC_THR_HOVER", "MOT_THST_HOVER"})
@@ -117,8 +128,8 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   if (firmware.kind == FirmwareKind::ardupilot)
     result.notes.emplace_back(
         "altitude: the firmware's loop of the vertical acceleration initially gives about half of "
-        "the requested acceleration. Only flights simulate this; they damp the height less than "
-        "the margins of other commands suggest");
+        "the requested acceleration. Only `fly` simulates this. In flight, the height is therefore "
+        "damped less than the margins suggest");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
     if (!loop.flies && pilot.loops.empty()) {
@@ -138,6 +149,7 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
     note_hover(firmware, vehicle, *file, result.notes);
   }
   for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);
+  note_unstable(result.turns, result.notes);
   result.content =
       content_of(vehicle, cascade_of(result.loops, pilot, dt > 0 ? dt : kFirmwarePeriod));
   result.content.parameters = StoredParameters{firmware, values};

@@ -83,8 +83,8 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
                                     setup.vehicle.name, lacks));
     if (flown.flow && setup.flow == FlowModel::simplified)
       throw OptionError("estimator",
-                        "estimator general: the flow is simplified, expected full because the "
-                        "filter models the averaged motion field");
+                        "estimator general: a flight has the flow simplified, which this filter "
+                        "does not model; expected another estimator or the flow full");
     return;
   }
   need(sensors.accelerometer.has_value(), "accelerometer");
@@ -256,10 +256,9 @@ void note_other_estimator(const FlightOptions& options, PlannedFlight& flight) {
   const std::string& convention = feedback->gains.convention;
   const std::string program = estimator_of_program(flight.setup.vehicle, convention);
   if (!program.empty() && program != flight.estimator)
-    flight.notes.push_back(
-        fmt::format("the flight uses the estimator {}; the program {} has its own, which the "
-                    "estimator {} simulates",
-                    flight.estimator, convention, program));
+    flight.notes.push_back(fmt::format(
+        "the flight uses the estimator {}; the estimator of the flight program {} is {}",
+        flight.estimator, convention, program));
 }
 
 /// Sets up the estimator of an autopilot, which a general filter approximates.

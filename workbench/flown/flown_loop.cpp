@@ -124,7 +124,7 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
 
 std::string describe(const FlownLoop& loop) {
   const double rate = std::abs(loop.decay());
-  std::string text = "the mode of " + joined(loop.mode.states) + " ";
+  std::string text;
   constexpr double kNeutral = 1e-6;  // [1/s], too small to be observable in a flight
   if (rate < kNeutral)
     text += "neither grows nor decays";
@@ -132,7 +132,7 @@ std::string describe(const FlownLoop& loop) {
     text += fmt::format("{} in {:.3g} s", loop.decay() > 0 ? "halves" : "doubles",
                         std::log(2.0) / rate);
   if (loop.frequency() > 1e-6) text += fmt::format(", at {:.3g} rad/s", loop.frequency());
-  return text;
+  return text + ", mainly in " + joined(loop.mode.states);
 }
 
 std::vector<std::string> flown_notes(const FlownLoop& loop) {

@@ -160,6 +160,9 @@ MissionRequirements mission_requirements(const MissionWords& words) {
                                          "[[mission]]; set it there",
                                          key));
   for (const std::string& name : words.missions) {
+    if (std::count(words.missions.begin(), words.missions.end(), name) > 1)
+      throw OptionError("mission", fmt::format("mission {} is given twice, expected once",
+                                               internal::printable(name)));
     CampaignMission mission;
     mission.mission = load_mission(name);
     mission.where = "--mission";

@@ -101,6 +101,9 @@ std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions
     laws.push_back(asked_feedback(*stored.gains, stored, options, vehicle));
   if (stored.cascade && asked_for(kCascadedPid))
     laws.push_back(asked_cascade(*stored.cascade, stored, options, vehicle));
+  if (options.integrator && !(stored.cascade && asked_for(kCascadedPid)))
+    throw OptionError("integrator",
+                      "integrator does not apply to a state feedback, expected a PID cascade");
   if (laws.empty())
     throw InvalidInput(directory, fmt::format("the export has no {}, expected {}",
                                               controller.empty() ? "gains" : controller,

@@ -68,7 +68,7 @@ Distribution read_fitted(const TomlTable& table, const UncertainQuantity& quanti
 void require_ratio(const TomlTable& table, const UncertainQuantity& quantity, double centre) {
   constexpr double kMin = 0.2, kMax = 5;
   if (quantity.kind != QuantityKind::ratio || quantity.name.ends_with("_noise") ||
-      quantity.name.ends_with("_lag") || (centre >= kMin && centre <= kMax))
+      quantity.name.ends_with("_lag") || !(centre > 0) || (centre >= kMin && centre <= kMax))
     return;
   throw InvalidInput(
       table.where(),

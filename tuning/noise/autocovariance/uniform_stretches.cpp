@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quadtune/internal/counted.hpp"
 #include "quadtune/internal/joined.hpp"
 
 namespace quadtune::internal {
@@ -107,8 +108,10 @@ UniformStretches find_uniform_stretches(const FilterModel& model,
     found.culprit = "nothing is measured";
     return found;
   }
-  found.culprit = fmt::format("all outputs are measured at the same instant {} times ({})",
-                              together, why_parted(model, records, found.outputs));
+  found.culprit = found.outputs.size() == 1
+                      ? fmt::format("the log has {}", internal::counted(together, "sample"))
+                      : fmt::format("all outputs are measured at the same instant {} times ({})",
+                                    together, why_parted(model, records, found.outputs));
   if (steps.empty()) return found;
   found.dt = period_of(model, steps);
   const double jitter = model.dt > 0 ? 0.5 * model.dt : kJitter * found.dt;

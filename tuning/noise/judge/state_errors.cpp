@@ -148,10 +148,10 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
         !(c.value >= options.min_size && c.value <= options.max_size)) {
       c.verdict = CheckVerdict::fail;
       c.reason = fmt::format(
-          "{}: the squared error is {:.3g} times as large as its variance implies, which is not "
-          "chance ({:.4g} % of such logs, with {:.0f} independent errors, give {:.3g} to {:.3g} "
-          "times)",
-          c.output, c.value, 100 * (1 - options.significance), freedom, c.low, c.high);
+          "{}: the mean squared error is {:.3g} times its variance, expected {:.3g} to {:.3g} "
+          "times; "
+          "check also the sign, the unit and the origin of the true value",
+          c.output, c.value, c.low, c.high);
     }
     checks.push_back(c);
   }

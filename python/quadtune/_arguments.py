@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One-line messages for calls whose arguments fit no signature of a function.
+
+pybind11 lists all signatures and all arguments instead.
+"""
+
+import difflib
+import functools
+import os
+import re
+
+_NO_SIGNATURE_FITS = "incompatible function arguments"
+
+
+class _Signature:
+    """One of the signatures that pybind11 lists: "(A: Matrix, *, dt: Optional[float] = None)"."""
+
+    def __init__(self, text):
+        self.kinds = {}  # name: annotation, in order
+        self.required = []
+        self.positional = []
+        keyword_only = False
+        for part in _parts(text):
+            if part == "*":
+                keyword_only = True
+                continue
+            name, _, rest = part.partition(": ")
+            annotation, _, default = rest.partition(" = ")
+            self.kinds[name] = annotation
+            if not default:
+                self.required.append(name)
+            if not keyword_only:
+                self.positional.append(name)
+
+    def problems(self, args, kwargs):
+        """What prevents a call with these arguments: sentences about names, and about values."""
+        found = [f"argument {i + 1} is unexpected" for i in range(len(self.positional), len(args))]
+        given = dict(zip(self.positional, args))
+        for name, value in kwargs.items():
+            if name in given:
+                found.append(f"{name} is given twice")
+            elif name not in self.kinds:
+                found.append(f"{name} cannot be combined with "
+                             f"{_listed(self.positional or self.required)}")
+            given[name] = value
+        found += [f"{name} is missing" for name in self.required if name not in given]
+        wrong = []
+        for name, value in given.items():
+            expected = _expected(self.kinds.get(name, ""), value)
+            if expected:
+                wrong.append(f"{name} is {_shown(value)}, expected {expected}")
+        return found, wrong
+
+    def __str__(self):
+        words = [name if name in self.positional else f"{name}=" for name in self.required]
+        return ", ".join(words + (["..."] if len(self.kinds) > len(self.required) else []))
+
+
+def _parts(text):
+    """Splits at the commas that are outside of all brackets."""
+    parts, depth, start = [], 0, 0
+    for i, character in enumerate(text):
+        depth += (character in "([{") - (character in ")]}")
+        if character == "," and depth == 0:
+            parts.append(text[start:i].strip())
+            start = i + 1
+    return [part for part in [*parts, text[start:].strip()] if part]
+
+
+def _listed(names):
+    return " and ".join(names)
+
+
+def _shown(value):
+    text = repr(value)
+    kind = type(value).__name__
+    return f"{text} ({kind})" if len(text) <= 40 and "\n" not in text else f"a value of type {kind}"
+
+
+def _dimensions(value):
+    """The number of dimensions of an array or of nested sequences; None for text."""
+    if isinstance(value, (str, bytes)):
+        return None
+    if hasattr(value, "ndim"):
+        return value.ndim
+    if isinstance(value, (list, tuple)):
+        inner = [_dimensions(one) for one in value]
+        return None if None in inner else 1 + max(inner, default=0)
+    return 0 if hasattr(value, "__float__") or hasattr(value, "__complex__") else None
+
+
+def _expected(annotation, value):
+    """What the annotation expects in place of the value; empty if it may fit."""
+    optional = re.fullmatch(r"Optional\[(.*)\]", annotation)
+    if optional:
+        return "" if value is None else _expected(optional[1], value)
+    dimensions = _dimensions(value)
+    is_path = isinstance(value, (str, os.PathLike))
+    rules = {
+        "float": (dimensions == 0, "a number"),
+        "int": (hasattr(value, "__index__"), "an integer"),
+        "bool": (isinstance(value, bool), "True or False"),
+        "str": (isinstance(value, str), "a text"),
+        "Path": (is_path, "a path"),
+        "Numbers": (dimensions in (0, 1, 2), "a number or a list of numbers"),
+        "VehicleLike": (is_path or type(value).__name__ == "Vehicle",
+                        "a built-in vehicle, a vehicle file or a Vehicle"),
+        "Tuple[float, float]": (dimensions == 1 and len(value) == 2, "two numbers (low, high)"),
+    }
+    if annotation.startswith("numpy.ndarray"):
+        fits, expected = dimensions in (1, 2), "a matrix, such as [[1, 0], [0, 1]]"
+    else:
+        fits, expected = rules.get(annotation, (True, ""))
+    return "" if fits else expected
+
+
+def _message(name, error, args, kwargs):
+    signatures = [_Signature(found[1]) for found in
+                  re.finditer(r"^ {4}\d+\. \((.*)\) -> .*$", str(error), re.MULTILINE)]
+    known = {one for signature in signatures for one in signature.kinds}
+    for word in kwargs:
+        if word not in known:
+            similar = difflib.get_close_matches(word, known, 1)
+            return (f"{name}() has no argument '{word}'"
+                    + (f"; did you mean '{similar[0]}'?" if similar else ""))
+    calls = " or ".join(f"{name}({signature})" for signature in signatures)
+    names, values = min((signature.problems(args, kwargs) for signature in signatures),
+                        key=lambda found: len(found[0]) + len(found[1]), default=([], []))
+    if names:
+        return f"{name}(): {'; '.join(names + values)}; expected {calls}"
+    if values:
+        return f"{name}(): {'; '.join(values)}"
+    came = [_shown(value) for value in args]
+    came += [f"{word}={_shown(value)}" for word, value in kwargs.items()]
+    return (f"{name}(): {', '.join(came)} do not have the types or ranges of {calls}; "
+            f"help(quadtune.{name}) lists them")
+
+
+def explained(function):
+    """The function, with a message of one line if its arguments fit none of its signatures."""
+
+    @functools.wraps(function)
+    def call(*args, **kwargs):
+        try:
+            return function(*args, **kwargs)
+        except TypeError as error:
+            if _NO_SIGNATURE_FITS not in str(error):
+                raise
+            message = _message(function.__name__, error, args, kwargs)
+        raise TypeError(message)
+
+    return call
