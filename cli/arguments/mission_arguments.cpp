@@ -131,7 +131,8 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& 
     context.write(arguments.report, html(page), stop);
   }
   if (ended) throw Interrupted();
-  if (!search.accepted) throw AnswerIsNo(search.reason);
+  if (!search.accepted)
+    throw AnswerIsNo(search.reason + so_not_written(arguments.file, arguments.force));
 }
 
 }  // namespace quadtune::cli

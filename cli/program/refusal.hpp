@@ -9,6 +9,7 @@
 
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 
@@ -19,6 +20,14 @@ template <class... Values>
 [[noreturn]] void refuse(const std::string& where, fmt::format_string<const Values&...> text,
                          const Values&... values) {
   throw UsageError(fmt::format(text, values...), where);
+}
+
+/// The end of a message: ", so FILE is not written; --force writes it"; empty if no file was
+/// requested or --force was given.
+[[nodiscard]] inline std::string so_not_written(const std::string& file, bool force) {
+  return file.empty() || force
+             ? ""
+             : fmt::format(", so {} is not written; --force writes it", internal::printable(file));
 }
 
 /// A negative answer that, unlike any other AnswerIsNo, is reported like an error: with --json as

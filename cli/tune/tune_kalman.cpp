@@ -120,7 +120,8 @@ void run_tune_kalman(const Options& options, Context& context) {
     context.write(options.report, html(page_of(noise, evidence, context.seed, context.command)));
   }
   if (ended) throw Interrupted();
-  if (!passed) throw AnswerIsNo(tuning.reasons.front());
+  if (!passed)
+    throw AnswerIsNo(tuning.reasons.front() + so_not_written(options.file, options.force));
 }
 
 void add_options(CommandLine& line, Options& options) {

@@ -126,11 +126,11 @@ void tell(const GainMatchReport& report, const Options& options, Context& contex
   }
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
   if (!matched)
-    throw AnswerIsNo(
-        fmt::format("{}: no diagonal weights{} give this gain: the best ones leave a "
-                    "difference of {:.3g} at {}, tolerance {:.3g}",
-                    options.gains, options.ties.empty() ? "" : " with these ties", match.after,
-                    match.worst, options.tolerance));
+    throw AnswerIsNo(fmt::format(
+        "{}: no diagonal weights{} give this gain: the best ones leave a "
+        "difference of {:.3g} at {}, tolerance {:.3g}{}",
+        options.gains, options.ties.empty() ? "" : " with these ties", match.after, match.worst,
+        options.tolerance, so_not_written(options.missions.file, options.missions.force)));
 }
 
 void run_match(const CommandLine& line, Options& options, Context& context) {

@@ -452,8 +452,9 @@ TEST_F(LikelyMistakes, AChannelOfTheOppositeSignFailsATuning) {
   }
   const ProgramResult result =
       run_program({"tune", "kalman", "--model", "altitude", "--starts", "1", "--log",
-                   folder_.write("flipped.csv", flipped).string()});
+                   folder_.write("flipped.csv", flipped).string(), "-o", path("tuned.toml")});
   EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("so " + path("tuned.toml") + " is not written; --force"));
   EXPECT_THAT(result.err,
               HasSubstr("with the opposite sign of sonar or of az the log-likelihood is "
                         "larger by "));
