@@ -96,18 +96,32 @@ def _expected(annotation, value):
         return "" if value is None else _expected(optional[1], value)
     dimensions = _dimensions(value)
     is_path = isinstance(value, (str, os.PathLike))
+    is_list = isinstance(value, (list, tuple))
+    is_dict = hasattr(value, "keys")
     rules = {
         "float": (dimensions == 0, "a number"),
-        "int": (hasattr(value, "__index__"), "an integer"),
+        "int": (hasattr(value, "__index__") and value >= 0, "an integer of 0 or more"),
         "bool": (isinstance(value, bool), "True or False"),
         "str": (isinstance(value, str), "a text"),
         "Path": (is_path, "a path"),
         "Numbers": (dimensions in (0, 1, 2), "a number or a list of numbers"),
+        "ComplexNumbers": (dimensions is not None, "a number or a list of numbers"),
+        "Names": (isinstance(value, str) or is_list, "a name or a list of names"),
+        "List[Names]": (is_list, "a list of names"),
+        "List[Path]": (is_list, "a list of files or names"),
+        "ByLoop": (dimensions == 0 or isinstance(value, str) or is_dict,
+                   "a number, or a number for each loop by its name, such as {'roll': 40}"),
+        "Grid": (isinstance(value, str) or is_dict,
+                 "a grid, such as 'speed=0:0.5:10' or {'speed': [0, 5, 10]}"),
+        "Dict[str, str]": (is_dict, "texts by name, such as {'height': 'baro'}"),
+        "Dict[str, float]": (is_dict, "numbers by name, such as {'R.sonar': 0.01}"),
         "VehicleLike": (is_path or type(value).__name__ == "Vehicle",
                         "a built-in vehicle, a vehicle file or a Vehicle"),
         "Tuple[float, float]": (dimensions == 1 and len(value) == 2, "two numbers (low, high)"),
     }
-    if annotation.startswith("numpy.ndarray"):
+    if annotation.endswith(".Controller"):
+        fits, expected = type(value).__name__ == "Controller", "a Controller"
+    elif annotation.startswith("numpy.ndarray"):
         fits, expected = dimensions in (1, 2), "a matrix, such as [[1, 0], [0, 1]]"
     else:
         fits, expected = rules.get(annotation, (True, ""))

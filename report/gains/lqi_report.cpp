@@ -185,7 +185,7 @@ std::string to_text(const LqgReport& report) {
       to_text(report.lqi) + section("margins at the estimates", to_text(report.at_estimates)) +
       section(fmt::format("rms after {} s", number(report.rms.time)),
               !rms.allFinite()
-                  ? "infinite, because the flown loop is unstable\n"
+                  ? "infinite, because the flown loop is unstable"
                   : table(rms, {"true", "estimate's error"}, names_of(gains.states)) + "\n" +
                         table(report.rms.command.transpose(), {"command"}, names_of(gains.inputs)));
   if (!report.recoveries.empty()) text += section("recovery", recovery_text(report));

@@ -59,13 +59,13 @@ void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) 
   const auto all = [&](const char* name, auto& vector, double scale) {
     for (Index i = 0; i < vector.size(); ++i) f(name, i, vector(i), scale);
   };
-  all("estimated attitude", state.attitude.angles, 0.1);
+  all("filter attitude", state.attitude.angles, 0.1);
   all("newest rate", state.attitude.gyro, 1.0);
   all("gyro bias", state.attitude.gyro_bias, 0.01);
   all("newest force", state.force, 1.0);
-  all("estimated height", state.altitude.x, 0.3);
-  all("estimated velocity", state.velocity.x, 0.3);
-  all("estimated position", state.position, 0.3);
+  all("filter height", state.altitude.x, 0.3);
+  all("filter velocity", state.velocity.x, 0.3);
+  all("filter position", state.position, 0.3);
   all("flow position", state.flow_position, 0.3);
   all("newest flow", state.flow, 0.3);
   f("newest echo", 0, state.echo_height, 0.3);
@@ -78,9 +78,9 @@ void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) 
 
 template <class T, class Function>
 void each_number(int, UquadFilterState<T>& state, const Function& f) {
-  static constexpr std::array<const char*, 5> kNames = {"estimated position", "estimated attitude",
-                                                        "estimated velocity", "estimated rates",
-                                                        "estimated force bias"};
+  static constexpr std::array<const char*, 5> kNames = {"filter position", "filter attitude",
+                                                        "filter velocity", "filter rates",
+                                                        "filter force bias"};
   static constexpr std::array<double, 5> kScales = {0.3, 0.1, 0.3, 1, 0.1};
   for (Index i = 0; i < kUquadStates; ++i)
     f(kNames[static_cast<std::size_t>(i / 3)], i % 3, state.kalman.x(i),
@@ -102,9 +102,9 @@ void each_number(const GeneralParts& parts, GeneralFilterState<T>& state, const 
   const auto all = [&](const char* name, auto& vector, double scale) {
     for (Index i = 0; i < vector.size(); ++i) f(name, i, vector(i), scale);
   };
-  all("estimated position", state.motion.position, 0.3);
-  all("estimated velocity", state.motion.velocity, 0.3);
-  for (Index i = 0; i < 3; ++i) f("estimated attitude", i, state.motion.attitude(1 + i), 0.05);
+  all("filter position", state.motion.position, 0.3);
+  all("filter velocity", state.motion.velocity, 0.3);
+  for (Index i = 0; i < 3; ++i) f("filter attitude", i, state.motion.attitude(1 + i), 0.05);
   all("gyro bias", state.gyro_bias, 0.01);
   // In hover no sensor can distinguish a horizontal bias of the accelerometer from a tilt: the sum
   // of both is a constant of the motion that no law can change. The linear model therefore treats

@@ -320,7 +320,10 @@ NamedMode largest_mode(const std::vector<MatrixXd>& A, const std::vector<Signal>
   constexpr double kShown = 0.3;
   for (const Index i : order) {
     if (mode.states.size() == 3 || size(i) < kShown * size(order.front())) break;
-    mode.states.push_back(states[static_cast<std::size_t>(i)].name);
+    const std::string& name = states[static_cast<std::size_t>(i)].name;
+    // Delayed samples of one quantity have the same name.
+    if (std::find(mode.states.begin(), mode.states.end(), name) == mode.states.end())
+      mode.states.push_back(name);
   }
   return mode;
 }

@@ -35,9 +35,24 @@ I = np.eye(2)  # noqa: E741
                                   "vehicle file or a Vehicle"),
     (lambda: quadtune.vehicle(I), "vehicle(): vehicle is a value of type ndarray, expected a "
                                   "built-in vehicle, a vehicle file or a Vehicle"),
-    (lambda: quadtune.fly("mambo", seed=-1),
-     "fly(): 'mambo' (str), seed=-1 (int) do not have the types or ranges of fly(vehicle, ...); "
-     "help(quadtune.fly) lists them"),
+    (lambda: quadtune.fly("mambo", seed=-1), "fly(): seed is -1 (int), expected an integer of 0 or "
+                                             "more"),
+    (lambda: quadtune.tune_kalman("altitude", "log.csv"),
+     "tune_kalman(): logs is 'log.csv' (str), expected a list of files or names"),
+    (lambda: quadtune.tune_kalman("altitude", ["log.csv"], map="baro"),
+     "tune_kalman(): map is 'baro' (str), expected texts by name, such as {'height': 'baro'}"),
+    (lambda: quadtune.lqr("mambo", states=3),
+     "lqr(): states is 3 (int), expected a name or a list of names"),
+    (lambda: quadtune.schedule("mambo", 3),
+     "schedule(): grid is 3 (int), expected a grid, such as 'speed=0:0.5:10' or "
+     "{'speed': [0, 5, 10]}"),
+    (lambda: quadtune.place(I, I, "x"), "place(): poles is 'x' (str), expected a number or a list of "
+                                        "numbers"),
+    (lambda: quadtune.margins(num=[1], den=[1, 1], controller=5),
+     "margins(): controller is 5 (int), expected a Controller"),
+    (lambda: quadtune.tune_kalman("altitude", [3]),
+     "tune_kalman(): 'altitude' (str), [3] (list) do not have the types or ranges of "
+     "tune_kalman(model, logs, ...); help(quadtune.tune_kalman) lists them"),
 ])
 def test_the_message_names_the_argument(call, message):
     with pytest.raises(TypeError) as raised:

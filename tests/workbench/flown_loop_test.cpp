@@ -60,7 +60,7 @@ TEST(FlownLoop, KnowsWhyTheMamboFell) {
   EXPECT_TRUE(flown_loop(before, at_height(2.0)).stable());
   const FlownLoop loop = flown_loop(before, at_height(4.0));
   EXPECT_TRUE(loop.grows()) << describe(loop);
-  EXPECT_THAT(describe(loop), HasSubstr("doubles in"));
+  EXPECT_THAT(describe(loop), HasSubstr("deviations double in"));
   const std::string why = what_helps(before, loop);
   EXPECT_THAT(why, HasSubstr("true states"));
   EXPECT_THAT(why, HasSubstr("sensors without delay"));

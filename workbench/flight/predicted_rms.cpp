@@ -116,7 +116,7 @@ VectorXd turn_of(const FlightSetup& setup, const PeriodicLti& loop) {
   VectorXd turn = VectorXd::Zero(loop.C.cols());
   turn(kAttitude + 2) = 1;
   for (std::size_t i = 12; i < loop.states.size(); ++i) {
-    if (loop.states[i].name == "estimated attitude z") turn(static_cast<Index>(i)) = of_estimate;
+    if (loop.states[i].name == "filter attitude z") turn(static_cast<Index>(i)) = of_estimate;
     if (loop.states[i].name == "estimated yaw") turn(static_cast<Index>(i)) = 1;
   }
   return turn;

@@ -127,9 +127,9 @@ std::string describe(const FlownLoop& loop) {
   std::string text;
   constexpr double kNeutral = 1e-6;  // [1/s], too small to be observable in a flight
   if (rate < kNeutral)
-    text += "neither grows nor decays";
+    text += "deviations neither grow nor decay";
   else
-    text += fmt::format("{} in {:.3g} s", loop.decay() > 0 ? "halves" : "doubles",
+    text += fmt::format("deviations {} in {:.3g} s", loop.decay() > 0 ? "halve" : "double",
                         std::log(2.0) / rate);
   if (loop.frequency() > 1e-6) text += fmt::format(", at {:.3g} rad/s", loop.frequency());
   return text + ", mainly in " + joined(loop.mode.states);

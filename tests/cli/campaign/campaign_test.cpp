@@ -456,7 +456,7 @@ TEST_F(Campaign, RefusesADesignThatDoesNotStabilize) {
   EXPECT_EQ(result.status, 4);
   EXPECT_THAT(result.err, AllOf(HasSubstr("c.toml:6: the design 'turned' does not stabilize the "
                                           "vehicle 'mambo' in flight with the estimator "),
-                                HasSubstr("doubles in ")));
+                                HasSubstr("deviations double in ")));
   // A mission without a control law before the one with it changes nothing.
   const std::string carried =
       replaced(replaced(text, "right/gains.json", "turned.json"), "[[mission]]",

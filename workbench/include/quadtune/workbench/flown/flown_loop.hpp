@@ -53,7 +53,7 @@ struct FlownLoop {
 /// @throws InvalidInput  as flown_plant()
 [[nodiscard]] FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options = {});
 
-/// Describes the mode with the largest |z|: "doubles in 1.3 s, at 1.76 rad/s, mainly in py, v and roll".
+/// Describes the mode with the largest |z|: "deviations double in 1.3 s, at 1.76 rad/s, mainly in py, v and roll".
 [[nodiscard]] std::string describe(const FlownLoop& loop);
 
 /// Names the changes that would stabilize an unstable loop: true states, sensors without delay,
