@@ -175,7 +175,7 @@ MissionRequirements mission_requirements(const MissionWords& words) {
   }
   if (requirements.missions.empty())
     throw OptionError("mission",
-                      "mission is missing, expected one, or requirements with [[mission]]");
+                      "mission is missing, expected a mission, or requirements with [[mission]]");
   if (!words.measure.empty()) {
     try {
       requirements.measure = robust_measure(words.measure, "measure");

@@ -51,6 +51,7 @@ struct ChosenLaw {
 };
 
 /// Returns "cascaded-pid", "state-feedback" or "firmware", also for "pid" and "lqr"; "" for "".
+/// @param word      name of a law, or empty
 /// @param firmware  whether the loops of an autopilot are a valid choice
 /// @throws OptionError  for other words
 [[nodiscard]] std::string controller_kind(const std::string& word, bool firmware = true);
