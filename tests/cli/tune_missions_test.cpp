@@ -286,7 +286,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   };
   refuses({"tune", "pid"}, 2, "expected a vehicle");
   refuses({"tune", "pid", "mambo", "--gains", "published"}, 2,
-          "--mission is missing, expected one, or requirements with [[mission]]");
+          "--mission is missing, expected a mission, or requirements with [[mission]]");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hovr"}, 3,
           "did you mean 'hover'?");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--budget", "-1"},
