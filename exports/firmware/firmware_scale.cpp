@@ -116,8 +116,8 @@ void require_frame(const Firmware& firmware, const Vehicle& vehicle) {
   require_spins(firmware, vehicle);
 }
 
-/// Rejects a file of a board whose frame is not that of the vehicle. Only frames that share no
-/// vehicle are rejected: the other types of four rotors are variants of X.
+/// Rejects a file of a board whose frame is not that of the vehicle. Types other than plus and X are
+/// accepted, because they are variants of X.
 void require_same_frame(const Firmware& firmware, const Vehicle& vehicle,
                         const ParameterValues& value) {
   constexpr double kQuad = 1, kPlus = 0, kX = 1;

@@ -2,6 +2,8 @@
 /// Detects channels of a log whose sign is opposite to that of the model.
 #pragma once
 
+#include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 

@@ -149,8 +149,7 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
       c.verdict = CheckVerdict::fail;
       c.reason = fmt::format(
           "{}: the mean squared error is {:.3g} times its variance, expected {:.3g} to {:.3g} "
-          "times; "
-          "check also the sign, the unit and the origin of the true value",
+          "times; check also the sign, the unit and the origin of the true value",
           c.output, c.value, c.low, c.high);
     }
     checks.push_back(c);
