@@ -42,8 +42,6 @@ void require_words(const Options& options) {
     refuse("A",
            "gains: expected two sets of gains after the vehicle, as for --gains of quadtune fly, "
            "e.g. quadtune compare gains mambo published designed");
-  if (options.what == "gains" && options.first == options.second)
-    refuse("B", "gains: both sets are {}, expected two different ones", options.first);
 }
 
 std::array<PlannedFlight, 2> planned(const FlightPair& pair, const std::string& what,
@@ -65,6 +63,9 @@ void run_compare(Options& options, Context& context) {
   const FlightPair pair =
       flight_pair(options.what, options.flight, {options.first, options.second});
   if (options.flight.vehicle.empty()) refuse("V", "expected a vehicle");
+  if (options.what == "gains" && options.first == options.second)
+    context.note(
+        fmt::format("note: both sets of gains are {}: the flights are the same", options.first));
   std::array<PlannedFlight, 2> plans = planned(pair, options.what, context.verb);
   context.notes("note: ", plans[0].notes);
   const ComparedFlights compared = fly_both(pair, std::move(plans), interrupted);
