@@ -326,11 +326,12 @@ TEST_F(LikelyMistakes, NumbersOfAListInSeparateWords) {
 TEST_F(LikelyMistakes, AStateFeedbackForAnotherYawIsNoted) {
   const std::string east =
       changed("designs/uquad-hover.toml", "yaw_rad = 0", "yaw_rad = 1.57", "east.toml");
-  const std::string mission = folder_
-                                  .write("east-hover.toml",
-                                         "name = \"east\"\nduration_s = 5\n[start]\nheight_m = "
-                                         "1\nyaw_rad = 1.57\n[hover]\nheight_m = 1\n")
-                                  .string();
+  const std::string mission =
+      folder_
+          .write("east-hover.toml",
+                 "name = \"east\"\nduration_s = 5\n[start]\nyaw_rad = 1.57\n[hover]\nheight_m = "
+                 "1\n")
+          .string();
   const std::vector<std::string> fly = {"fly",          "uquad", "--gains",    east,
                                         "--controller", "lqr",   "--duration", "1",
                                         "--estimator",  "truth"};

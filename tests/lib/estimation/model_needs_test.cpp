@@ -104,7 +104,7 @@ TEST(ModelNeeds, TakesOneSensorOfSeveral) {
             "two: fed by z; --map the measurements that are there, without x [m], y [m]");
   const ModelNeeds half = model_needs(model, survey("t,x\n0,1\n1,2\n"));
   EXPECT_FALSE(half.feeds);
-  EXPECT_THAT(to_text(half), HasSubstr("needs z [m] of baro, y [m] of gps"));
+  EXPECT_THAT(to_text(half), HasSubstr("needs z [m] (sensor baro), y [m] (sensor gps)"));
 }
 
 TEST(ModelNeeds, DoesNotListForEver) {

@@ -52,7 +52,7 @@ TEST(ErrorsOfStates, AgreeWithTheirCovariances) {
   const ConsistencyCheck small = error_of_speed(0.2);
   EXPECT_EQ(small.verdict, CheckVerdict::fail);
   EXPECT_NEAR(small.value, 5 * right.value, 0.2 * small.value);
-  EXPECT_THAT(small.reason, HasSubstr("vz: the squared error is"));
+  EXPECT_THAT(small.reason, HasSubstr("vz: the mean squared error is"));
 }
 
 // A constant error over a whole record counts as one error, however many instants there are.
