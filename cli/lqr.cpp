@@ -232,9 +232,7 @@ void add_options(CommandLine& line, Options& options) {
                   "and B, default 1");
   line.add_option("--plant NAME", options.plant,
                   "with V: flown (default) includes motor lag, sensor delays and estimator; ideal "
-                  "is the textbook plant with 12 states, which the options from --at to --states, "
-                  "--method, --schedule and --evidence imply (with --structure matrix: except "
-                  "--convention and --inputs)");
+                  "is the textbook plant with 12 states, which some of the other options require");
   add_flown_lqr_options(line, options.flown);
   line.add_option(
       "--structure NAME", options.structure,

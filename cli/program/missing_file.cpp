@@ -77,8 +77,9 @@ FileError told_missing(const FileError& error, const CommandLine& line,
     if (const std::size_t colon = kind.find(": ");
         colon != std::string::npos && has_article(kind.substr(colon + 2)))
       kind.erase(0, colon + 2);
-    message += has_article(kind) ? fmt::format(", expected {} ({})", kind, option->name())
-                                 : fmt::format(", expected for {}: {}", option->name(), kind);
+    message += has_article(kind)
+                   ? fmt::format(", expected {} ({})", kind, option->name())
+                   : fmt::format(", expected the file of {}: {}", option->name(), kind);
     known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));

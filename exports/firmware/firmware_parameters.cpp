@@ -156,8 +156,9 @@ class Writer {
       const bool low = !facts.integer && facts.min && value < *facts.min * (1 - 1e-6);
       const bool high = !facts.integer && facts.max && value > *facts.max * (1 + 1e-6);
       if (low || high)
-        note(fmt::format("{} is {:.4g}, {} the published range {} to {}", facts.name, value,
-                         low ? "below" : "above", facts.min ? fmt::format("{:g}", *facts.min) : "-",
+        note(fmt::format("{} is {:.4g}, {} the published range {} to {}, which is only advice",
+                         facts.name, value, low ? "below" : "above",
+                         facts.min ? fmt::format("{:g}", *facts.min) : "-",
                          facts.max ? fmt::format("{:g}", *facts.max) : "-"));
       result.values.push_back({facts.name, value});
     }
@@ -238,8 +239,8 @@ void write_px4(Writer& w) {
   if (exports::is_from(w.firmware(), "1.16")) {
     w.set("MC_YAW_TQ_CUTOFF", 0);
     w.note(
-        "MC_YAW_TQ_CUTOFF is 0, off, because its 80 ms are not modelled in the design (default 2 "
-        "Hz)");
+        "MC_YAW_TQ_CUTOFF is 0, which turns this filter off, because the design does not model it "
+        "(the default of 2 Hz is a lag of 80 ms)");
   }
   const auto velocity = [&](const Factored& loop, double of_output, const std::string& name) {
     w.set(name + "P", loop.outer);

@@ -278,8 +278,10 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
     }
     // An older version of quadtune listed fewer of them.
     check.ok = found.size() == manifest.numbers.size() || !exports::is_of_this_version(manifest);
-    check.detail =
-        fmt::format("{} in the files, {} in the manifest", found.size(), manifest.numbers.size());
+    check.detail = found.empty() && manifest.numbers.empty()
+                       ? "there are none"
+                       : fmt::format("the files have {} of them, the manifest lists {}",
+                                     found.size(), manifest.numbers.size());
   } catch (const InvalidInput& error) {
     check.detail = error.what();
   } catch (const FileError& error) {
@@ -310,7 +312,7 @@ VerifyCheck check_trim(const Gains& gains, const std::optional<VerifyModel>& mod
   check.detail = trim_difference("x0", gains.states, gains.x0, in_order_of(expected, gains.states));
   if (check.detail.empty()) check.detail = trim_difference("u0", gains.inputs, gains.u0, model->u0);
   check.ok = check.detail.empty();
-  if (check.ok) check.detail = "x0 and u0 hold the vehicle in the flight that x0 names";
+  if (check.ok) check.detail = "with x0 and u0, the vehicle remains in steady flight";
   return check;
 }
 

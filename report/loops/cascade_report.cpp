@@ -135,8 +135,10 @@ std::string comparison_text(const CascadeReport& report) {
                      pair(here.rate_noise, there.rate_noise, ".3g"),
                      there.margins.stable ? "" : "published: UNSTABLE"});
   }
-  return report.published_source +
-         ", here (published): a load step added to the command, and sensor noise in the command\n" +
+  return fmt::format(
+             "in parentheses the published gains, {}; a load step added to the command, and sensor "
+             "noise in the command\n",
+             report.published_source) +
          aligned(cells);
 }
 

@@ -172,8 +172,9 @@ Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOp
       scaled(plain, balancing(plain.A, plain.B * plain.B.transpose(), plain.Q));
   const bool filter = options.problem == RiccatiProblem::filter;
   const double boundary = std::max(1e-8, std::sqrt(tolerance));
-  const auto sentence = [](const Mode& mode, const std::string& why) {
-    return fmt::format("mode at {}: {}{} {}", format_mode(mode.value),
+  const char* const plane = p.time == Time::discrete ? "z = " : "";
+  const auto sentence = [&](const Mode& mode, const std::string& why) {
+    return fmt::format("mode at {}{}: {}{} {}", plane, format_mode(mode.value),
                        mode.states.size() == 1 ? "" : "a combination of ", join_names(mode.states),
                        why);
   };

@@ -57,7 +57,7 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
   for (const char* design : {"uquad-hover", "mambo-hover"}) {
     const std::string text = verified(
         exported(design), [](Json&) {}, 0);
-    EXPECT_THAT(text, HasSubstr("ok   weights give the gains: solved anew"));
+    EXPECT_THAT(text, HasSubstr("ok   weights give the gains: solved again"));
     EXPECT_THAT(text, HasSubstr("ok   the recorded evidence agrees with the weights"));
     EXPECT_THAT(text, HasSubstr(std::string("ok   inputs are those of the manifest: ") + design));
   }
@@ -213,7 +213,7 @@ TEST_F(VerifyManifest, NoticesOtherWeights) {
           folder_.read(std::filesystem::path(out).filename().string() + "/manifest.json"));
       if (!manifest.contains(entry)) continue;  // fewer integrals
       EXPECT_THAT(verified(out, [&](Json& m) { m[entry] = 1.001 * m[entry].get<double>(); }),
-                  HasSubstr("FAIL weights give the gains: solved anew; largest difference"))
+                  HasSubstr("FAIL weights give the gains: solved again: entries differ"))
           << design << where;
     }
   }

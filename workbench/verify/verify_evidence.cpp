@@ -96,7 +96,7 @@ VerifyCheck check_told(const ExportEvidence& told, const RiccatiResult& solved) 
       told.status == to_string(solved.status) && residual && rcond && poles <= kPoleTolerance;
   check.detail =
       told.status != to_string(solved.status)
-          ? fmt::format("status '{}', solved anew '{}'", told.status, to_string(solved.status))
+          ? fmt::format("status '{}', solved again '{}'", told.status, to_string(solved.status))
           : fmt::format(
                 "poles apart by {:.3g}, at most {:g}; residual {:.2g}, anew {:.2g}; "
                 "reciprocal condition {:.2g}, anew {:.2g}",
@@ -124,7 +124,7 @@ std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manif
   for (const Signal& integral : gains.integrals) options.integrals.push_back(integral.name);
   const ActuatorLqi found = actuator_lqi(vehicle, weights, options);
   if (!found.solved()) {
-    check.detail = "solved anew: " + found.riccati.culprit;
+    check.detail = "solved again: " + found.riccati.culprit;
     return {check};
   }
   const auto all = [](const Gains& of) {
@@ -138,7 +138,7 @@ std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manif
   };
   const MatrixXd given = all(gains), solved = all(found.gains);
   if (given.cols() != solved.cols()) {
-    check.detail = fmt::format("the law has {} gains for each command, solved anew {}",
+    check.detail = fmt::format("the law has {} gains for each command, solved again {}",
                                given.cols(), solved.cols());
     return {check};
   }
@@ -150,8 +150,9 @@ std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manif
                                 solved.row(i).cwiseAbs().maxCoeff());
   check.ok = worst <= kRounding;
   check.detail = fmt::format(
-      "solved anew; largest difference {:.3g} of its row's largest entry, at most {:.2g}", worst,
-      kRounding);
+      "solved again: entries differ by at most {:.3g} times the largest of their row, expected "
+      "at most {:.2g}",
+      worst, kRounding);
   return {check, check_told(manifest.evidence, found.riccati)};
 }
 
@@ -171,7 +172,7 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
     const Linearization model = linearization_of(vehicle, *manifest.gains);
     const StateFeedback found = state_feedback(model.plant, problem_of(manifest, model.plant));
     if (!found.solved()) {
-      check.detail = "solved anew: " + found.riccati.culprit;
+      check.detail = "solved again: " + found.riccati.culprit;
       return {check};
     }
     const double worst = difference(*manifest.gains, model.plant.states, found);
@@ -180,8 +181,9 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
         std::max(1e-9, 100 * std::numeric_limits<double>::epsilon() / found.riccati.rcond);
     check.ok = worst <= tolerance;
     check.detail = fmt::format(
-        "solved anew; largest difference {:.3g} of its row's largest entry, "
-        "at most {:.2g}",
+        "solved again: entries differ by at most {:.3g} times the largest of their row, expected "
+        "at "
+        "most {:.2g}",
         worst, tolerance);
     return {check, check_told(manifest.evidence, found.riccati)};
   } catch (const InvalidInput& error) {

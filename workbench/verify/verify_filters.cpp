@@ -40,7 +40,7 @@ std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
     for (const KalmanFilter& filter : filters) {
       const KalmanResult solved = kalman(filter.model, {filter.G, filter.Q, filter.R, filter.N});
       if (!solved.solved())
-        throw InvalidInput(internal::printable(filter.name), "solved anew: " + solved.culprit);
+        throw InvalidInput(internal::printable(filter.name), "solved again: " + solved.culprit);
       for (const auto& [name, given, expected] :
            {std::tuple("M", &filter.M, &solved.M), std::tuple("L", &filter.L, &solved.L),
             std::tuple("P", &filter.P, &solved.P), std::tuple("Z", &filter.Z, &solved.Z)}) {
@@ -56,7 +56,8 @@ std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
     }
     if (check.ok)
       check.detail = fmt::format(
-          "solved anew; largest difference {:.3g} of a matrix's largest entry, "
+          "solved again: entries differ by at most {:.3g} times the largest of their matrix, "
+          "expected "
           "at most {:.2g}",
           worst, kFilterRounding);
   } catch (const InvalidInput& error) {

@@ -194,11 +194,11 @@ TEST(Dare, NamesTheCulprits) {
   unseen.Q(5, 5) = 0;
   const RiccatiOptions options = named(testing::small_hover_names());
   EXPECT_EQ(solve_case(unseen, true, options).culprit,
-            "mode at 1: yaw is not observable through Q");
+            "mode at z = 1: yaw is not observable through Q");
   RiccatiCase unsteered = testing::small_hover_sampled(0.01);
   unsteered.B.col(3).setZero();
   EXPECT_EQ(solve_case(unsteered, true, options).culprit,
-            "mode at 1: a combination of yaw and r cannot be controlled");
+            "mode at z = 1: a combination of yaw and r cannot be controlled");
 }
 
 TEST(Care, NamesOscillatingModes) {
