@@ -78,9 +78,8 @@ void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) 
 
 template <class T, class Function>
 void each_number(int, UquadFilterState<T>& state, const Function& f) {
-  static constexpr std::array<const char*, 5> kNames = {"filter position", "filter attitude",
-                                                        "filter velocity", "filter rates",
-                                                        "filter force bias"};
+  static constexpr std::array<const char*, 5> kNames = {
+      "filter position", "filter attitude", "filter velocity", "filter rates", "filter force bias"};
   static constexpr std::array<double, 5> kScales = {0.3, 0.1, 0.3, 1, 0.1};
   for (Index i = 0; i < kUquadStates; ++i)
     f(kNames[static_cast<std::size_t>(i / 3)], i % 3, state.kalman.x(i),
