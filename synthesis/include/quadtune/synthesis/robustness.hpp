@@ -76,8 +76,8 @@ struct RobustnessOptions {
 
 /// The result: proved_scale ≤ the smallest scale at which the loop is unstable ≤ found_scale.
 struct Robustness {
-  StabilityProof proof;     ///< of the unscaled box
-  WorstCase worst;          ///< the largest radius that the search found in that box
+  StabilityProof proof;  ///< of the unscaled box
+  WorstCase worst;       ///< the largest radius that the search found in that box
   /// The largest scale that was proved, at most LoopFamily::max_scale; 0: not even nominal.
   double proved_scale = 0;
   /// The smallest scale at which an unstable loop was found; infinite if none was found up to
