@@ -44,8 +44,8 @@ TEST(FlownEvidence, RejectsWhatIsUnstableAsItFlies) {
   EXPECT_FALSE(result.accepted);
   EXPECT_EQ(result.best(0), 0);
   EXPECT_EQ(result.candidate(0), 2);
-  EXPECT_THAT(result.reason,
-              ::testing::ContainsRegex("^the flown loop of the result is unstable: deviations double"));
+  EXPECT_THAT(result.reason, ::testing::ContainsRegex(
+                                 "^the flown loop of the result is unstable: deviations double"));
 
   const FlownEvidence stable = flown_evidence(plan, found, start, std::nullopt);
   result = accepted();

@@ -379,7 +379,7 @@ class Explanation {
   }
 
   [[nodiscard]] std::string what_the_estimate_knows() const {
-    const std::string error =
+    std::string error =
         fmt::format("the position estimate has an error of {:.3g} m rms", evidence_.estimate_rms);
     if (!std::isfinite(evidence_.bound_rms)) return error;
     return fmt::format("{}; the optimal filter with these sensors would have {:.3g} m", error,
