@@ -265,7 +265,8 @@ TEST(Verify, NoticesChangedNumbersInParameterFiles) {
         return text.replace(text.find(from), from.size(), to);
       });
       const VerifyReport report = verify_export(directory.path(), mambo_model());
-      EXPECT_THAT(failed(report), Contains("single numbers, besides gains and weights, are those of the manifest"))
+      EXPECT_THAT(failed(report),
+                  Contains("single numbers, besides gains and weights, are those of the manifest"))
           << to << "\n"
           << all_details(report);
     }
