@@ -74,11 +74,7 @@ void add_options(CommandLine& line, Options& options) {
 void run_kalman(const Options& options, Context& context) {
   const TimeArguments& time = options.time;
   require_one_time(time);
-  if (time.count() == 0)
-    refuse("--discrete",
-           "expected --discrete, --continuous or --sampled DT, because A does not show whether it "
-           "is that "
-           "of a discrete or of a continuous system");
+  require_time(time);
   if (time.sampled) require_positive(*time.sampled, "--sampled");
   if (options.show_sampled && !time.sampled)
     refuse("--show-sampled", "--show-sampled requires --sampled DT");

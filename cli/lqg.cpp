@@ -65,11 +65,7 @@ void run_matrices(const CommandLine& line, const Options& options, Context& cont
                      "--time", "--recover", "--noise-budget"},
                     "applies to a vehicle only");
   require_one_time(files.time);
-  if (files.time.count() == 0)
-    refuse("--discrete",
-           "expected --discrete, --continuous or --sampled DT, because A does not show whether it "
-           "is that "
-           "of a discrete or of a continuous system");
+  require_time(files.time);
   if (files.time.sampled) require_positive(*files.time.sampled, "--sampled");
   if (options.common.dt && !files.time.discrete)
     refuse("--dt", "--dt with matrices requires --discrete");

@@ -182,8 +182,9 @@ void require_one_loop(const Options& options, const CommandLine& line) {
     given.push_back("the vehicle '" + internal::printable(options.flight.vehicle) + "'");
   if (given.size() != 1)
     refuse("V",
-           "{}expected one loop: --num and --den, or --A, --B and --K, or --A, --B and --C, or "
-           "--frd, or a vehicle with --gains",
+           "{}expected one of these loops: --num and --den; --A, --B and --K; --A, --B and --C; "
+           "--frd; "
+           "a vehicle with --gains",
            given.empty() ? "" : internal::joined(given, " and ") + " were given, ");
   if (options.has_vehicle() && options.controller.given())
     refuse("V",

@@ -95,6 +95,14 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
       .asDiagonal();
 }
 
+void require_time(const TimeArguments& time) {
+  if (time.count() == 0)
+    refuse(
+        "--discrete",
+        "expected --discrete, --continuous or --sampled DT; the matrices alone do not show whether "
+        "the system is discrete");
+}
+
 void note_period(const TimeArguments& time, const std::optional<double>& dt,
                  const Context& context) {
   if (time.discrete && !dt)

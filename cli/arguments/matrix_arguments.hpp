@@ -57,6 +57,9 @@ struct TimeArguments {
 void note_period(const TimeArguments& time, const std::optional<double>& dt,
                  const Context& context);
 
+/// @throws UsageError  unless the time was given: the matrices do not show whether a system is discrete
+void require_time(const TimeArguments& time);
+
 /// @throws UsageError  if more than one was given
 void require_one_time(const TimeArguments& time);
 

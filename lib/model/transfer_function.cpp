@@ -99,8 +99,8 @@ DiscreteLti with_input_delay(const DiscreteLti& plant, Index delay) {
 
 /// The relative degree of c (λI - A)⁻¹ b + d: the number of Markov parameters d, c b, c A b, … that
 /// are 0 before the first one that is not. A parameter counts as 0 if it is below the rounding error
-/// of its own sum of products, because one tolerance for all is wrong for plants that have both slow
-/// and fast states.
+/// of the sum that defines it. A common tolerance would fail for plants with both slow and fast
+/// states.
 /// @param A, b, c, d  scaled: b and c are as large as A
 /// @return  more than the number of states if all vanish
 Index relative_degree(const MatrixXd& A, VectorXd b, const VectorXd& c, double d) {

@@ -97,10 +97,10 @@ PidOfPlant of_fraction(const Numbers& num, const Numbers& den, Real delay, const
   const bool bounds = Ms_max || Mt_max || noise_gain_max;
   const bool requirement = crossover || phase_margin;
   if (int{requirement} + int{rule.has_value()} + int{bounds} != 1)
-    throw OptionError("crossover",
-                      "expected one requirement: crossover with phase_margin, or rule, or at least "
-                      "one of Ms_max, "
-                      "Mt_max and noise_gain_max");
+    throw OptionError(
+        "crossover",
+        "expected crossover and phase_margin, or rule, or at least one of Ms_max, Mt_max and "
+        "noise_gain_max");
   if (requirement && !(crossover && phase_margin))
     throw OptionError(crossover ? "phase_margin" : "crossover",
                       "crossover and phase_margin belong together, expected both");

@@ -9,8 +9,6 @@ import functools
 import os
 import re
 
-_NO_SIGNATURE_FITS = "incompatible function arguments"
-
 
 class _Signature:
     """One of the signatures that pybind11 lists: "(A: Matrix, *, dt: Optional[float] = None)"."""
@@ -40,8 +38,8 @@ class _Signature:
             if name in given:
                 found.append(f"{name} is given twice")
             elif name not in self.kinds:
-                found.append(f"{name} cannot be combined with "
-                             f"{_listed(self.positional or self.required)}")
+                others = " and ".join(self.positional or self.required)
+                found.append(f"{name} cannot be combined with {others}")
             given[name] = value
         found += [f"{name} is missing" for name in self.required if name not in given]
         wrong = []
@@ -65,10 +63,6 @@ def _parts(text):
             parts.append(text[start:i].strip())
             start = i + 1
     return [part for part in [*parts, text[start:].strip()] if part]
-
-
-def _listed(names):
-    return " and ".join(names)
 
 
 def _shown(value):
@@ -128,9 +122,15 @@ def _expected(annotation, value):
     return "" if fits else expected
 
 
-def _message(name, error, args, kwargs):
-    signatures = [_Signature(found[1]) for found in
-                  re.finditer(r"^ {4}\d+\. \((.*)\) -> .*$", str(error), re.MULTILINE)]
+def _signatures(error):
+    """The signatures that the error lists; none if it has another cause."""
+    if "incompatible function arguments" not in str(error):
+        return []
+    return [_Signature(found[1]) for found in
+            re.finditer(r"^ {4}\d+\. \((.*)\) -> .*$", str(error), re.MULTILINE)]
+
+
+def _message(name, signatures, args, kwargs):
     known = {one for signature in signatures for one in signature.kinds}
     for word in kwargs:
         if word not in known:
@@ -139,7 +139,7 @@ def _message(name, error, args, kwargs):
                     + (f"; did you mean '{similar[0]}'?" if similar else ""))
     calls = " or ".join(f"{name}({signature})" for signature in signatures)
     names, values = min((signature.problems(args, kwargs) for signature in signatures),
-                        key=lambda found: len(found[0]) + len(found[1]), default=([], []))
+                        key=lambda found: len(found[0]) + len(found[1]))
     if names:
         return f"{name}(): {'; '.join(names + values)}; expected {calls}"
     if values:
@@ -158,9 +158,10 @@ def explained(function):
         try:
             return function(*args, **kwargs)
         except TypeError as error:
-            if _NO_SIGNATURE_FITS not in str(error):
+            signatures = _signatures(error)
+            if not signatures:  # an error of another kind
                 raise
-            message = _message(function.__name__, error, args, kwargs)
+            message = _message(function.__name__, signatures, args, kwargs)
         raise TypeError(message)
 
     return call

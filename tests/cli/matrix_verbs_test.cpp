@@ -330,7 +330,7 @@ TEST(MatrixLqg, OfAnIntegratorIsAClosedForm) {
   EXPECT_GT(late["cost"], prompt["cost"]);
   expect_refused({"lqg", "--A", "0", "--B", "1", "--C", "1", "--Q", "1", "--R", "1", "--noise-Q",
                   "1", "--noise-R", "1"},
-                 "expected --discrete, --continuous or --sampled DT, because A does not show");
+                 "expected --discrete, --continuous or --sampled DT; the matrices alone");
   expect_refused({"lqg", "mambo", "--noise-Q", "1"}, "--noise-Q applies to matrices only");
   EXPECT_EQ(run_program({"lqg", "--A", "2", "--B", "0", "--C", "1", "--Q", "1", "--R", "1",
                          "--noise-Q", "1", "--noise-R", "1", "--discrete"})
