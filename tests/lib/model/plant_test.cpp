@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -213,6 +215,62 @@ TEST(Plant, AgreesWithItsLinearModelToSecondOrder) {
     }
 }
 
+// The steps that leave out absent terms have the bytes of those with all terms, in the air and
+// during a fall to the ground.
+template <int N>
+void step_equals_all_terms(int rotors) {
+  std::mt19937_64 random(7);
+  using Whole = Plant<Pack<1>, N>;
+  for (int terms = 0; terms < 32; ++terms) {
+    Vehicle vehicle = random_vehicle(random, rotors);
+    for (Rotor& rotor : vehicle.rotors) {
+      rotor.lag = 0.03;
+      if (terms & 1) rotor.lag_down = 0.05;
+      rotor.drag = terms & 2 ? 1e-5 : 0;
+      rotor.inflow = terms & 2 ? 2e-5 : 0;
+      rotor.flapping = terms & 2 ? 1e-6 : 0;
+      rotor.ground_effect = (terms & 4) != 0;
+      rotor.radius = 0.1;
+    }
+    if (terms & 8) vehicle.drag = {};
+    const auto body = packed_body<1>({RigidBody(vehicle)});
+    Whole plant(body, ground_contact(body.mass, body.J(0, 0), Pack<1>(0.2)));
+    plant.windy = (terms & 16) != 0;
+    if (plant.windy) plant.wind << 3, -2, 1;
+    typename Whole::State x;
+    if constexpr (N == Eigen::Dynamic) x.resize(kRotorSpeeds + rotors);
+    const QuaternionState<double> start = quaternion_state(random_state(random));
+    for (int i = 0; i < x.size(); ++i) x(i) = i < 13 ? start(i) : 300.0;
+    x(2) = -0.6;
+    x(9) = 1;  // down
+    RotorSpeeds<Pack<1>> asked(rotors);
+    for (int i = 0; i < rotors; ++i) asked(i) = 100.0 + 60 * i;
+    plant.command(asked, x);
+    bool touched = false, flew = false;
+    for (int k = 0; k < 300; ++k) {
+      const bool near = lane(x(2), 0) > -0.2;
+      touched = touched || near;
+      flew = flew || !near;
+      typename Whole::State all = runge_kutta_4_step(
+          [&](double, const typename Whole::State& at) { return plant.derivative(at); }, 0, x,
+          0.004);
+      Whole::restore_norm(all);
+      x = plant.step(Integrator::runge_kutta_4, x, 0.004);
+      for (int i = 0; i < x.size(); ++i)
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(lane(x(i), 0)),
+                  std::bit_cast<std::uint64_t>(lane(all(i), 0)))
+            << terms << " " << k << " " << i;
+    }
+    EXPECT_TRUE(touched && flew) << terms;
+  }
+}
+
+TEST(Plant, StepsWithFewerTermsHaveTheSameBytes) {
+  step_equals_all_terms<0>(4);
+  step_equals_all_terms<4>(4);
+  step_equals_all_terms<Eigen::Dynamic>(6);
+}
+
 // Several vehicles at once each move as they do alone, on the ground and in the air.
 TEST(Plant, EachLaneIsAVehicleOfItsOwn) {
   std::mt19937_64 random(5);
@@ -243,13 +301,19 @@ TEST(Plant, EachLaneIsAVehicleOfItsOwn) {
     plants[l].command(own, xs[l]);
   }
   together.command(speeds, x);
-  for (int step = 0; step < 400; ++step) {
-    x = together.step(Integrator::bogacki_shampine_3, x, 0.005);
-    for (std::size_t l = 0; l < 4; ++l) {
-      xs[l] = plants[l].step(Integrator::bogacki_shampine_3, xs[l], 0.005);
-      for (int i = 0; i < 13; ++i)
-        ASSERT_EQ(lane(x(i), static_cast<int>(l)), lane(xs[l](i), 0))
-            << step << " " << l << " " << i;
+  const Together::State start = x;
+  const std::array<Alone::State, 4> starts = xs;
+  for (const Integrator method : {Integrator::bogacki_shampine_3, Integrator::runge_kutta_4}) {
+    x = start;
+    xs = starts;
+    for (int step = 0; step < 400; ++step) {
+      x = together.step(method, x, 0.005);
+      for (std::size_t l = 0; l < 4; ++l) {
+        xs[l] = plants[l].step(method, xs[l], 0.005);
+        for (int i = 0; i < 13; ++i)
+          ASSERT_EQ(lane(x(i), static_cast<int>(l)), lane(xs[l](i), 0))
+              << step << " " << l << " " << i;
+      }
     }
   }
 }

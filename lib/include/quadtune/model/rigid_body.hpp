@@ -133,9 +133,35 @@ template <class P, class Speeds>
   return loads;
 }
 
-/// Adds the effects of the hubs' motion through the air, each hub moving with v = airspeed + w × r:
-/// drag in the rotor's plane, thrust lost in a climb, and the moment of flapping. Linear in
-/// airspeed and rates.
+/// Adds the effects of the motion of one hub through the air, v = airspeed + w × r: drag in the
+/// rotor's plane, thrust lost in a climb, and the moment of flapping. Linear in airspeed and rates.
+/// @param rotor     position and coefficients
+/// @param speed     times the ratio of the air densities, with which all terms scale [rad/s]
+/// @param airspeed  of the centre of mass, body axes [m/s]
+/// @param rates     body axes [rad/s]
+/// @param loads     receives the sum
+template <class P, class T>
+[[gnu::always_inline]] inline void add_rotor_airflow(const BasicRotor<P>& rotor, const T& speed,
+                                                     const Vector3<T>& airspeed,
+                                                     const Vector3<T>& rates,
+                                                     RotorLoads<T>& loads) {
+  const T x(rotor.position.x()), y(rotor.position.y()), z(rotor.position.z());
+  const T vx = airspeed(0) + (rates(1) * z - rates(2) * y);
+  const T vy = airspeed(1) + (rates(2) * x - rates(0) * z);
+  const T vz = airspeed(2) + (rates(0) * y - rates(1) * x);
+  const T Fx = -T(rotor.drag) * speed * vx, Fy = -T(rotor.drag) * speed * vy;
+  const T Fz = -T(rotor.inflow) * speed * vz;
+  loads.force.x() += Fx;
+  loads.force.y() += Fy;
+  loads.force.z() += Fz;
+  // r × F and flapping, which tilts the disc back: forward motion pitches up, motion to the right
+  // rolls left.
+  loads.torque.x() += y * Fz - z * Fy - T(rotor.flapping) * speed * vy;
+  loads.torque.y() += z * Fx - x * Fz + T(rotor.flapping) * speed * vx;
+  loads.torque.z() += x * Fy - y * Fx;
+}
+
+/// add_rotor_airflow() for all rotors.
 /// @param body      constants of the vehicle
 /// @param speeds    one per rotor [rad/s];  @param airspeed  of the centre of mass, body axes [m/s]
 /// @param rates     body axes [rad/s]
@@ -143,24 +169,9 @@ template <class P, class Speeds>
 template <class P, class Speeds, class T>
 void add_airflow(const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>& speeds,
                  const Vector3<T>& airspeed, const Vector3<T>& rates, RotorLoads<T>& loads) {
-  for (Eigen::Index i = 0; i < speeds.size(); ++i) {
-    const BasicRotor<P>& rotor = body.rotors[static_cast<std::size_t>(i)];
-    const T x(rotor.position.x()), y(rotor.position.y()), z(rotor.position.z());
-    const T vx = airspeed(0) + (rates(1) * z - rates(2) * y);
-    const T vy = airspeed(1) + (rates(2) * x - rates(0) * z);
-    const T vz = airspeed(2) + (rates(0) * y - rates(1) * x);
-    const T k = T(speeds(i)) * T(body.density_ratio);  // all terms scale with the density
-    const T Fx = -T(rotor.drag) * k * vx, Fy = -T(rotor.drag) * k * vy;
-    const T Fz = -T(rotor.inflow) * k * vz;
-    loads.force.x() += Fx;
-    loads.force.y() += Fy;
-    loads.force.z() += Fz;
-    // r × F and flapping, which tilts the disc back: forward motion pitches up, motion to the right
-    // rolls left.
-    loads.torque.x() += y * Fz - z * Fy - T(rotor.flapping) * k * vy;
-    loads.torque.y() += z * Fx - x * Fz + T(rotor.flapping) * k * vx;
-    loads.torque.z() += x * Fy - y * Fx;
-  }
+  for (Eigen::Index i = 0; i < speeds.size(); ++i)
+    add_rotor_airflow(body.rotors[static_cast<std::size_t>(i)],
+                      T(T(speeds(i)) * T(body.density_ratio)), airspeed, rates, loads);
 }
 
 /// The loads of all rotors of a vehicle that moves through the air.

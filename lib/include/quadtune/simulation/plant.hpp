@@ -87,6 +87,7 @@ class Plant {
       numbers.lag_rate_down = select(rotor.lag_down > T(0), T(1) / rotor.lag_down, T(0));
       uneven_lag_ =
           uneven_lag_ || any(rotor.lag < rotor.lag_down) || any(rotor.lag > rotor.lag_down);
+      spinning_mass_ = spinning_mass_ || any(rotor.inertia > T(0));
     }
   }
   [[nodiscard]] const BasicRigidBody<T>& body() const { return body_; }
@@ -138,35 +139,16 @@ class Plant {
     }
   }
 
-  /// Inlined into step(), so that the intermediate states of a step stay in registers.
-  [[nodiscard, gnu::always_inline]] State derivative(const State& x) const {
-    State result;
-    if constexpr (N == Eigen::Dynamic) result.resize(x.size());
-    RotorLoads<T> loads = rotors(x);
-    if constexpr (N != 0) {
-      // w' = (asked - w) / lag; the torque that accelerates a rotor acts on the body with the
-      // opposite sign.
-      each_rotor([&](int i) __attribute__((always_inline)) {
-        const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
-        const T missing = speeds(i) - x(kRotorSpeeds + i);
-        const T rise =
-            missing * (uneven_lag_ ? T(select(missing < T(0), rotor.lag_rate_down, rotor.lag_rate))
-                                   : rotor.lag_rate);
-        result(kRotorSpeeds + i) = rise;
-        loads.torque(2) -= rotor.momentum * rise;
-      });
-    }
-    if (body_.has_airflow || body_.has_ground_effect) add_air_loads(x, loads);
-    add_contact(x, loads);
-    rigid_motion(body_, x, loads, windy ? &wind : nullptr, result);
-    return result;
+  /// x' with all terms.
+  [[nodiscard, gnu::noinline]] State derivative(const State& x) const {
+    return derivative_of<Terms::all>(x);
   }
 
   /// Specific force at the centre of mass: v' + w × v - g, body axes [m/s²].
   [[nodiscard]] Vector3<T> specific_force(const State& x) const {
     RotorLoads<T> loads = rotors(x);
-    if (body_.has_airflow || body_.has_ground_effect) add_air_loads(x, loads);
-    add_contact(x, loads);
+    if (body_.has_airflow || body_.has_ground_effect) add(air_loads(x), loads);
+    if (may_touch(x(2))) add(contact(x), loads);
     const Matrix3<T> R_WB = attitude(x).toRotationMatrix();
     const Vector3<T> airspeed = x.template segment<3>(kBodyVelocity) - R_WB.transpose() * wind;
     return (loads.force + drag_force(body_, airspeed)) * body_.inverse_mass;
@@ -174,10 +156,18 @@ class Plant {
 
   /// Integrates one step and normalizes the quaternion.
   [[nodiscard]] State step(Integrator method, const State& x, double h) const {
+    // Most steps are far from the ground.
+    if (method == Integrator::runge_kutta_4 && !may_touch(x(2))) {
+      T lowest = x(2);
+      State next = moves_in_air() ? free_step<Terms::air>(x, h, lowest)
+                                  : free_step<Terms::rotors>(x, h, lowest);
+      if (!may_touch(lowest)) {
+        restore_norm(next);
+        return next;
+      }
+    }
     State next = integrator_step(
-        method,
-        [this](double, const State& at) __attribute__((always_inline)) { return derivative(at); },
-        0, x, h);
+        method, [this](double, const State& at) { return derivative(at); }, 0, x, h);
     restore_norm(next);
     return next;
   }
@@ -202,13 +192,75 @@ class Plant {
  private:
   template <class Function>
   [[gnu::always_inline]] void each_rotor(Function&& f) const {
-    if constexpr (N == Eigen::Dynamic) {
+    if constexpr (N <= 0) {  // 0 or Eigen::Dynamic
       for (int i = 0; i < body_.rotor_count; ++i) f(i);
     } else {
       unrolled<N>(f);
     }
   }
-  [[nodiscard]] T reach() const { return ground.leg_height + ground.leg_reach + ground.leg_reach; }
+  /// The terms of a derivative. Every set contains the terms of those before it, and gives the same
+  /// bytes as them where its other terms are absent.
+  enum class Terms {
+    rotors,  ///< rigid body and rotors, with equal lags of rising and falling speed, no wind
+    air,     ///< also different lags, wind, and the loads of the air on the moving rotors
+    all,     ///< also contact with the ground
+  };
+  [[nodiscard]] bool moves_in_air() const {
+    return body_.has_airflow || body_.has_ground_effect || windy || uneven_lag_;
+  }
+  /// Whether a vehicle whose centre of mass is at this height [m, down] may be in contact.
+  [[nodiscard]] bool may_touch(const T& z) const {
+    return ground.present &&
+           any(z + (ground.leg_height + ground.leg_reach + ground.leg_reach) > T(0));
+  }
+
+  /// A Runge-Kutta step without contact: without branches, the compiler keeps the intermediate states
+  /// in registers.
+  /// @param lowest  receives the greatest z of the states of which it takes the derivative
+  template <Terms kTerms>
+  [[nodiscard, gnu::always_inline]] State free_step(const State& x, double h, T& lowest) const {
+    return runge_kutta_4_step(
+        [ this, &lowest ](double, const State& at) __attribute__((always_inline)) {
+          lowest = max_of(lowest, at(2));
+          return derivative_of<kTerms>(at);
+        },
+        0, x, h);
+  }
+
+  /// x' with a set of terms that contains all that are present.
+  template <Terms kTerms>
+  [[nodiscard, gnu::always_inline]] State derivative_of(const State& x) const {
+    constexpr bool kAir = kTerms != Terms::rotors;
+    State result;
+    if constexpr (N == Eigen::Dynamic) result.resize(x.size());
+    RotorLoads<T> loads = rotors(x);
+    if constexpr (N != 0) {
+      // w' = (asked - w) / lag
+      each_rotor([&](int i) __attribute__((always_inline)) {
+        const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
+        const T missing = speeds(i) - x(kRotorSpeeds + i);
+        const T rise =
+            missing * (kAir && uneven_lag_
+                           ? T(select(missing < T(0), rotor.lag_rate_down, rotor.lag_rate))
+                           : rotor.lag_rate);
+        result(kRotorSpeeds + i) = rise;
+      });
+      // The torque that accelerates a rotor acts on the body with the opposite sign.
+      if (spinning_mass_)
+        each_rotor([&](int i) __attribute__((always_inline)) {
+          const T& momentum = rotors_[static_cast<std::size_t>(i)].momentum;
+          loads.angular_momentum(2) += momentum * x(kRotorSpeeds + i);
+          loads.torque(2) -= momentum * result(kRotorSpeeds + i);
+        });
+    }
+    if constexpr (kAir)
+      if (body_.has_airflow || body_.has_ground_effect) add(air_loads(x), loads);
+    if constexpr (kTerms == Terms::all)
+      if (may_touch(x(2))) add(contact(x), loads);
+    const Vector3<T>* const blowing = kAir && windy ? &wind : nullptr;
+    rigid_motion(body_, x, loads, blowing, result);
+    return result;
+  }
 
   /// Loads of the rotors at their present speeds, without the torques that accelerate them.
   [[nodiscard, gnu::always_inline]] RotorLoads<T> rotors(const State& x) const {
@@ -216,7 +268,7 @@ class Plant {
       (void)x;
       return held_;
     } else {
-      T thrust = T(0), roll = T(0), pitch = T(0), yaw = T(0), momentum = T(0);
+      T thrust = T(0), roll = T(0), pitch = T(0), yaw = T(0);
       each_rotor([&](int i) __attribute__((always_inline)) {
         const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
         const Vector3<T>& hub = body_.rotors[static_cast<std::size_t>(i)].position;
@@ -226,53 +278,53 @@ class Plant {
         roll -= hub.y() * lift;
         pitch += hub.x() * lift;
         yaw -= (rotor.torque_d2 * w + rotor.torque_d1) * w;
-        momentum += rotor.momentum * w;
       });
       RotorLoads<T> loads;
       loads.force.z() = -thrust;
       loads.torque.x() = roll;
       loads.torque.y() = pitch;
       loads.torque.z() = yaw;
-      loads.angular_momentum.z() = momentum;
       return loads;
     }
   }
 
-  void add_air_loads(const State& x, RotorLoads<T>& loads) const {
-    const RotorLoads<T> of_air = air_loads(x);
-    loads.force += of_air.force;
-    loads.torque += of_air.torque;
+  [[gnu::always_inline]] static void add(const RotorLoads<T>& more, RotorLoads<T>& loads) {
+    loads.force += more.force;
+    loads.torque += more.torque;
   }
 
   /// Changes of the rotor loads due to the motion through the air and due to ground effect.
-  [[nodiscard, gnu::noinline]] RotorLoads<T> air_loads(State x) const {
+  [[nodiscard, gnu::always_inline]] RotorLoads<T> air_loads(const State& x) const {
     RotorLoads<T> loads;
     const Matrix3<T> R = rotation_of_quaternion(x(3), x(4), x(5), x(6));
-    const RotorSpeeds<T> turning = rotor_speeds(x);
+    const auto speed = [&](int i) __attribute__((always_inline))->const T& {
+      if constexpr (N == 0) {
+        return speeds(i);
+      } else {
+        return x(kRotorSpeeds + i);
+      }
+    };
     if (body_.has_airflow) {
       Vector3<T> airspeed = x.template segment<3>(kBodyVelocity);
       if (windy) airspeed -= R.transpose() * wind;
-      add_airflow(body_, turning, airspeed, Vector3<T>(x.template segment<3>(kBodyRates)), loads);
+      const Vector3<T> rates = x.template segment<3>(kBodyRates);
+      each_rotor([&](int i) __attribute__((always_inline)) {
+        add_rotor_airflow(body_.rotors[static_cast<std::size_t>(i)],
+                          T(speed(i) * body_.density_ratio), airspeed, rates, loads);
+      });
     }
     if (body_.has_ground_effect && ground.present)
-      for (int i = 0; i < body_.rotor_count; ++i) {
+      each_rotor([&](int i) __attribute__((always_inline)) {
         const BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
         const Vector3<T>& hub = rotor.position;
         const T height = -(x(2) + (R(2, 0) * hub.x() + R(2, 1) * hub.y() + R(2, 2) * hub.z()));
         const T lift = (ground_effect(rotor.ground_radius, height) - T(1)) *
-                       rotor_thrust(rotor, turning(i), body_.density_ratio);
+                       rotor_thrust(rotor, speed(i), body_.density_ratio);
         loads.force.z() -= lift;
         loads.torque.x() -= hub.y() * lift;
         loads.torque.y() += hub.x() * lift;
-      }
+      });
     return loads;
-  }
-
-  void add_contact(const State& x, RotorLoads<T>& loads) const {
-    if (!ground.present || !any(x(2) + reach() > T(0))) return;
-    const RotorLoads<T> of_ground = contact(x);
-    loads.force += of_ground.force;
-    loads.torque += of_ground.torque;
   }
 
   /// Takes its argument by value: an object whose address is passed does not stay in registers.
@@ -316,6 +368,8 @@ class Plant {
   RotorLoads<T> held_;
   /// Whether the lag of a rotor differs between rising and falling speed
   bool uneven_lag_ = false;
+  /// Whether a rotor has a moment of inertia
+  bool spinning_mass_ = false;
 };
 
 }  // namespace quadtune
