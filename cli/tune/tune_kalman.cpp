@@ -29,7 +29,7 @@ struct Options {
   std::vector<std::string> logs, maps, truths, fixed, starts_at;
   LogArguments log;
   double holdout = 0.2;
-  double gate = 0, student = 0;
+  std::optional<double> gate, student;
   std::optional<double> budget;
   std::uint64_t starts = 3;
   bool profile = false, force = false;
@@ -39,13 +39,13 @@ FilterModel model_of(const Options& options) {
   if (options.model.empty())
     refuse("--model", "--model is missing, expected a filter model's name or file");
   FilterModel model = load_filter_model(options.model);
-  FilterChoice choice{options.fixed, {}, options.gate, options.student};
+  FilterChoice choice{options.fixed, {}, options.gate.value_or(0), options.student.value_or(0)};
   choice.starts = named_numbers(options.starts_at, "start");
   return chosen_filter(std::move(model), choice);
 }
 
 void require_sane(const Options& options) {
-  if (options.method == "als" && options.student != 0)
+  if (options.method == "als" && options.student)
     refuse("--student",
            "--student cannot be combined with --method als, because autocovariances require normal "
            "errors");
@@ -141,10 +141,10 @@ void add_options(CommandLine& line, Options& options) {
   add_log_options(line, options.log);
   line.add_number("--holdout SHARE", options.holdout,
                   "fraction at the end of each log that is held out for the verdict; default 0.2");
-  line.add_number("--gate LIMIT", options.gate,
-                  "reject measurements whose squared innovation exceeds this many variances");
-  line.add_number("--student NU", options.student,
-                  "degrees of freedom of a Student distribution of the measurement errors");
+  line.add_positive("--gate LIMIT", options.gate,
+                    "reject measurements whose squared innovation exceeds this many variances");
+  line.add_positive("--student NU", options.student,
+                    "degrees of freedom of a Student distribution of the measurement errors");
   line.add_count("--starts N", options.starts, 1,
                  "number of searches from different starts; default 3");
   line.add_positive(

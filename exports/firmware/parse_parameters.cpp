@@ -84,16 +84,19 @@ class Collector {
   std::string origin_;
 
   void pass_over(int line, const std::string& name) {
-    ++file.others;
     require_version(line, name);
-    if (!is_of_loops(name)) return;
-    std::vector<std::string> known;
-    for (const ParameterFacts& one : facts_) known.push_back(one.name);
-    const std::string near = internal::nearest(name, known);
+    std::string near;
+    if (is_of_loops(name)) {
+      std::vector<std::string> known;
+      for (const ParameterFacts& one : facts_) known.push_back(one.name);
+      near = internal::nearest(name, known);
+    }
     constexpr std::size_t kMaxNotes = 10;
     if (file.notes.size() < kMaxNotes && !near.empty() && internal::edit_distance(name, near) == 1)
       file.notes.push_back(fmt::format("{}:{}: {} is ignored; did you mean {}?", origin_, line,
                                        printable(name), near));
+    else
+      ++file.others;
   }
 
   /// Rejects a name of another version, because the board would silently ignore it.

@@ -283,12 +283,12 @@ std::string to_text(const Vehicle& vehicle) {
     text += section("published", fmt::format("PID cascade every {} s: {}",
                                              number(vehicle.published_cascade->gains.dt),
                                              vehicle.published_cascade->source));
-  text += section("hover", hover.solved()
-                               ? fmt::format("{} rad/s ({:.6g} {}), thrust-to-weight {:.3f}",
-                                             number(hover_speed(hover)),
-                                             command_of_speed(vehicle.motor, hover_speed(hover)),
-                                             vehicle.motor.unit, thrust_to_weight(vehicle))
-                               : "impossible: " + hover.culprit);
+  text += section(
+      "hover", hover.solved() ? fmt::format("{} rad/s (command {:.6g} {}), thrust-to-weight {:.3f}",
+                                            number(hover_speed(hover)),
+                                            command_of_speed(vehicle.motor, hover_speed(hover)),
+                                            vehicle.motor.unit, thrust_to_weight(vehicle))
+                              : "impossible: " + hover.culprit);
   if (const VehicleSpread spread = spread_of(vehicle); spread.stated())
     text += section("spread", spread_text(spread));
   text += section("assumed", assumed_text(vehicle));

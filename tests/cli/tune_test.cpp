@@ -330,6 +330,8 @@ TEST(TuneVerb, RefusesOutliers) {
   EXPECT_NEAR(double(json["parameters"][1]["value"]), 4e-4, 5e-5);
   EXPECT_THAT(tune(log, {"--gate", "1"}).err,
               HasSubstr("the gate of sensor 'sonar' is 1, expected at least 4"));
+  for (const char* option : {"--gate", "--student"})
+    EXPECT_THAT(tune(log, {option, "0"}).err, HasSubstr(option));
 }
 
 /// An inertial sensor at rest at 100 Hz and its position at 10 Hz, with two gaps: between them

@@ -130,6 +130,24 @@ TEST(VehicleShow, TellsEverything) {
   EXPECT_THAT(mambo, ::testing::Not(HasSubstr("sensors = typical")));
 }
 
+// Lags for rising and falling speed replace lag_s; the one that is absent is listed.
+TEST(VehicleShow, LagOfOneDirection) {
+  const TemporaryDirectory folder;
+  const auto assumed = [&](const std::string& lags) {
+    std::string text = load_vehicle("crazyflie").text;
+    const std::size_t line = text.find("lag_s");
+    text.replace(line, text.find('\n', line) - line, lags);
+    const std::string file = folder.write("v.toml", text).string();
+    return SortedJson::parse(run_program({"vehicle", "show", file, "--json"}).out)["assumed"];
+  };
+  for (const char* key : {"rotor.lag_s", "rotor.lag_up_s", "rotor.lag_down_s"}) {
+    EXPECT_FALSE(assumed("lag_s = 0.02").contains(key));
+    EXPECT_FALSE(assumed("lag_up_s = 0.02\nlag_down_s = 0.03").contains(key));
+    EXPECT_EQ(assumed("lag_up_s = 0.02").contains(key), key == std::string("rotor.lag_down_s"));
+    EXPECT_EQ(assumed("").contains(key), key == std::string("rotor.lag_s"));
+  }
+}
+
 TEST(VehicleShow, JsonHasSensorsBatteryAndWhatIsAssumed) {
   const TemporaryDirectory folder;
   const std::string file =

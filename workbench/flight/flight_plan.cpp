@@ -294,9 +294,9 @@ void choose_estimator(const FlightOptions& options, const FlightWords& words, co
   if (options.estimator.empty() && estimator == "truth") {
     const std::string why = why_no_estimator(vehicle);
     if (setup.real_sensors && !why.empty())
-      throw InvalidInput(
-          place_of(vehicle),
-          why + "; expected such a sensor, or the estimator 'truth', which is the true state");
+      throw InvalidInput(place_of(vehicle), why +
+                                                "; expected such a sensor; 'quadtune fly "
+                                                "--estimator truth' flies with the true state");
     flight.notes.push_back(fmt::format(
         "the sensors of '{}' do not suffice for any estimator: the law uses the true state",
         vehicle.name));
