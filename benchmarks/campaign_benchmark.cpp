@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -138,13 +139,15 @@ std::uint64_t in_processes(std::size_t count, const std::function<void(std::size
 }
 
 /// Times one worker with one thread, then two in parallel on separate shards, several times in
-/// turn.
+/// turn. The ratio is that of the least times: other load on either processor delays the two, and
+/// on one of them only the one.
 void fly_in_processes() {
-  constexpr std::uint32_t kFlights = 2 * 4096;
+  constexpr std::uint32_t kFlights = 2 * 2048;
   constexpr double kGoal = 1.9;
-  constexpr int kTimes = 5;
+  constexpr int kTimes = 10;
   const Campaign campaign = hovers(kFlights, 20);
-  std::vector<double> ratios, rates;
+  double least_single = std::numeric_limits<double>::infinity(),
+         least_both = std::numeric_limits<double>::infinity();
   bool equal = true;
   for (int i = 0; i < kTimes; ++i) {
     const testing::TemporaryDirectory one, two;
@@ -163,8 +166,8 @@ void fly_in_processes() {
           });
         },
         1);
-    ratios.push_back(2 * single.median / both.median);
-    rates.push_back(0.5 * kFlights / single.median);
+    least_single = std::min(least_single, single.min);
+    least_both = std::min(least_both, both.min);
     if (i > 0) continue;
     // The second shard again, in this process.
     const DrawRange draws = shard_draws(kFlights, 2, 1);
@@ -173,12 +176,11 @@ void fly_in_processes() {
     equal = flown.size() == here.size() && one.read("00000.flights") == two.read("00000.flights");
     for (std::size_t k = 0; equal && k < here.size(); ++k) equal = same(flown[k], here[k]);
   }
-  std::sort(ratios.begin(), ratios.end());
-  std::sort(rates.begin(), rates.end());
+  const double ratio = 2 * least_single / least_both;
   fmt::print(
       "| two workers of one thread over one of {:.0f} flights a second | {:.2f} times | {:.1f}: {} "
       "| {} |\n",
-      rates[kTimes / 2], ratios[kTimes / 2], kGoal, verdict(ratios[kTimes / 2] >= kGoal),
+      0.5 * kFlights / least_single, ratio, kGoal, verdict(ratio >= kGoal),
       equal ? "the same bytes" : "NOT the same bytes");
 }
 
