@@ -22,15 +22,6 @@ namespace {
 
 using internal::printable;
 
-/// Prefixes of the names of the loops' parameters, to detect misspelled names.
-bool is_of_loops(const std::string& name) {
-  for (const char* start :
-       {"MC_ROLL", "MC_PITCH", "MC_YAW", "MPC_XY_", "MPC_Z_", "ATC_RAT_", "ATC_ANG_", "PSC_", "p_",
-        "i_", "d_", "pid_rate.", "pid_attitude.", "posCtlPid.", "velCtlPid."})
-    if (name.starts_with(start)) return true;
-  return false;
-}
-
 /// The contents of a file, validated line by line.
 class Collector {
  public:
@@ -85,14 +76,13 @@ class Collector {
 
   void pass_over(int line, const std::string& name) {
     require_version(line, name);
-    std::string near;
-    if (is_of_loops(name)) {
-      std::vector<std::string> known;
-      for (const ParameterFacts& one : facts_) known.push_back(one.name);
-      near = internal::nearest(name, known);
-    }
+    std::vector<std::string> known;
+    for (const ParameterFacts& one : facts_) known.push_back(one.name);
+    const std::string near = internal::nearest(name, known);
+    // The first letter tells apart short names, such as p_roll and s_roll of Betaflight.
     constexpr std::size_t kMaxNotes = 10;
-    if (file.notes.size() < kMaxNotes && !near.empty() && internal::edit_distance(name, near) == 1)
+    if (file.notes.size() < kMaxNotes && !near.empty() &&
+        internal::edit_distance(name, near) == 1 && name.front() == near.front())
       file.notes.push_back(fmt::format("{}:{}: {} is ignored; did you mean {}?", origin_, line,
                                        printable(name), near));
     else

@@ -428,6 +428,11 @@ TEST(Firmware, FilesOfOtherProgramsAreRead) {
   const ParameterFile misspelled =
       parse_parameters(newest(px4), "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_PICH_P\t6\t9\n", "file");
   EXPECT_EQ(misspelled.others, 0u);
+  EXPECT_THAT(misspelled.notes, Contains(HasSubstr("did you mean MC_PITCH_P?")));
+  // A name of another parameter that differs in its first letter only
+  const ParameterFile other =
+      parse_parameters(newest(betaflight), "set p_roll = 50\nset s_roll = 90\n", "file");
+  EXPECT_EQ(other.others, 1u);
 }
 
 TEST(Firmware, VersionsAndSetupsAreRefusedByName) {
