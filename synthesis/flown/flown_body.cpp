@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -193,7 +195,61 @@ void part_rotors(FlownBody& body) {
         i < 4 ? kNames[static_cast<std::size_t>(i)] : "rotors against each other";
 }
 
+/// The groups of axes, see FlownAxis. A state against which the rotors work without effect on thrust
+/// and torques belongs to none of them.
+enum class Group { north, east, altitude, yaw, none };
+
+/// Of the states of a body after part_rotors().
+std::vector<Group> groups_of_states(Index states) {
+  using enum Group;
+  std::vector<Group> groups = {north,    east, altitude, east, north,    yaw,  north, east,
+                               altitude, east, north,    yaw,  altitude, east, north, yaw};
+  groups.resize(static_cast<std::size_t>(states), none);
+  return groups;
+}
+
+/// Of the inputs [T τx τy τz].
+constexpr std::array<Group, 4> kGroupsOfWrench = {Group::altitude, Group::east, Group::north,
+                                                  Group::yaw};
+/// Of the specific force.
+constexpr std::array<Group, 3> kGroupsOfForce = {Group::north, Group::east, Group::altitude};
+
+/// Sets the entries to 0 whose row and column belong to different groups.
+/// @return  whether one of them exceeds the rounding of its row
+template <class Rows, class Columns>
+bool keep_groups(const Rows& rows, const Columns& columns, Eigen::Ref<MatrixXd> M) {
+  constexpr double kRounding = 1e-13;
+  bool coupled = false;
+  for (Index i = 0; i < M.rows(); ++i) {
+    const double size = M.row(i).cwiseAbs().maxCoeff();
+    for (Index j = 0; j < M.cols(); ++j) {
+      if (rows[static_cast<std::size_t>(i)] == columns[static_cast<std::size_t>(j)]) continue;
+      coupled = coupled || std::abs(M(i, j)) > kRounding * size;
+      M(i, j) = 0;
+    }
+  }
+  return coupled;
+}
+
 }  // namespace
+
+void separate_axes(FlownBody& body) {
+  const bool lagging = body.A.rows() > 12;
+  if (lagging && body.states[12].name != "rotors for thrust") return;
+  const Eigen::ColPivHouseholderQR<MatrixXd> commands(body.commands);
+  if (body.commands.cols() != 4 || commands.rank() < 4) return;
+  const MatrixXd inverse = commands.solve(MatrixXd::Identity(body.commands.rows(), body.B.cols()));
+  const std::vector<Group> states = groups_of_states(body.A.rows());
+  keep_groups(states, states, body.A);
+  // Without couplings, B and D keep their bytes.
+  MatrixXd of_wrench = body.B * body.commands;
+  if (keep_groups(states, kGroupsOfWrench, of_wrench)) body.B = of_wrench * inverse;
+  const Index force = kReadingFirst[static_cast<std::size_t>(Reading::specific_force)];
+  keep_groups(kGroupsOfForce, states, body.C.middleRows(force, 3));
+  of_wrench = body.D.middleRows(force, 3) * body.commands;
+  if (keep_groups(kGroupsOfForce, kGroupsOfWrench, of_wrench))
+    body.D.middleRows(force, 3) = of_wrench * inverse;
+}
 
 FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) {
   const Equations equations(setup);

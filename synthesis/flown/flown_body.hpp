@@ -24,6 +24,10 @@ struct FlownBody {
   std::vector<Signal> inputs;  ///< inputs of the law
 };
 
+/// Leaves out the couplings between the four groups of axes, see FlownPlantOptions::separate_axes.
+/// For wrench inputs.
+void separate_axes(FlownBody& body);
+
 /// Linearizes body, rotors and readings about the hover at `height` [m].
 /// @throws InvalidInput  if either vehicle cannot hover
 [[nodiscard]] FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height);

@@ -78,6 +78,7 @@ std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind in
     options.inputs = inputs;
     options.dt = dt;
     options.height = member.height;
+    options.separate_axes = true;
     member.plant = flown_plant(setup, options);
   };
   internal::in_parallel(family.size(), internal::thread_count(0), [&] { return build; }, {});

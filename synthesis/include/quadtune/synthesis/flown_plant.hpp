@@ -29,6 +29,11 @@ struct FlownPlantOptions {
   double command_delay = 0;
   /// Whether the errors of the sensors are inputs of the model: FlownPlant::noise.
   bool noise = false;
+  /// Whether the model leaves out the couplings between north, east, altitude and yaw that unequal
+  /// rotors, arms and products of inertia cause. With wrench inputs, the plant of each of these axes
+  /// then is a part of its own, as gains for a single axis require. Without rotors for all four, or
+  /// with other inputs, this has no effect.
+  bool separate_axes = false;
 };
 
 /// A linear model about a hover with the heading north. It is exact for inputs that are held over a
