@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -90,6 +91,44 @@ TEST_F(FirmwareVerb, GainsWithTooSmallMarginsOnBoardAreWrittenOnlyByForce) {
   EXPECT_EQ(run_program(words).status, 0);
   std::ifstream file(out + "/manifest.json");
   EXPECT_THAT(SortedJson::parse(file)["forced"].dump(), HasSubstr("too small to fly"));
+}
+
+// A board with a slow gyroscope filter keeps it: an export of its gains has the margins of the
+// import, not those with the default filter.
+TEST_F(FirmwareVerb, ParametersThatTheBoardKeepsCountInTheMargins) {
+  const std::string file = folder_->write("slow.params", "1\t1\tIMU_GYRO_CUTOFF\t12\t9\n").string();
+  const std::string gains = path("kept.json"), out = path("kept");
+  const std::string own = testing::source_folder() + "/vehicles/quad-450.toml";
+  const ProgramResult imported =
+      run_program({"import", "px4", file, "--vehicle", own, "-o", gains});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_THAT(imported.err,
+              HasSubstr("note: the margins are too small to fly: pitch phase 2.5 deg"));
+  std::vector<std::string> words = {"export", gains, "--to", "px4", "--vehicle", own, "-o", out};
+  const ProgramResult refused = run_program(words);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the margins are too small to fly (pitch phase 2.5 deg"));
+  words.emplace_back("--force");
+  const ProgramResult forced = run_program(words);
+  EXPECT_EQ(forced.status, 0) << forced.err;
+  EXPECT_THAT(forced.err, HasSubstr("except IMU_GYRO_CUTOFF 12, which the board keeps"));
+}
+
+// `verify` analyses the loop with sensors and estimator, so `export` does too.
+TEST_F(FirmwareVerb, GainsWithAnUnstableFlownLoopAreWrittenOnlyByForce) {
+  const std::string file =
+      folder_->write("strong.params", "1\t1\tMC_ROLLRATE_P\t0.6\t9\n1\t1\tMC_PITCHRATE_P\t0.6\t9\n")
+          .string();
+  const std::string gains = path("unstable.json"), out = path("unstable");
+  const std::string own = testing::source_folder() + "/vehicles/quad-450.toml";
+  ASSERT_EQ(run_program({"import", "px4", file, "--vehicle", own, "-o", gains}).status, 0);
+  std::vector<std::string> words = {"export", gains, "--to", "json", "--vehicle", own, "-o", out};
+  const ProgramResult refused = run_program(words);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the flown loop of the PID cascade is unstable"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  words.emplace_back("--force");
+  EXPECT_EQ(run_program(words).status, 0);
 }
 
 // The design file chooses Ms for loops without the firmware's filters, whose phase is then 6 deg.

@@ -17,11 +17,13 @@
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/counted.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/export/export_content.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "verify/manifest_vehicle.hpp"
 
@@ -55,24 +57,48 @@ Firmware target_of(const ExportContent& content, ExportKind kind) {
   return firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
 }
 
-std::vector<FirmwareTurn> turns_of(const ExportContent& content, const Firmware& target) {
-  const std::vector<Parameter> values =
-      firmware_parameters(target, content.vehicle, content.cascade->gains).values;
-  return firmware_turns(target, content.vehicle, values);
+/// The parameters of the board that an export leaves as they are, if another value than the default
+/// is known.
+std::vector<Parameter> remaining(const ExportContent& content, const Firmware& target,
+                                 const std::vector<Parameter>& written) {
+  if (!content.board || content.board->firmware.kind != target.kind) return {};
+  std::vector<Parameter> result;
+  for (const Parameter& of_board : content.board->values) {
+    const auto same = [&](const Parameter& other) { return other.name == of_board.name; };
+    if (std::none_of(written.begin(), written.end(), same)) result.push_back(of_board);
+  }
+  return result;
 }
 
-/// "roll phase 30.9 deg, Ms 1.99".
-std::string turn_text(const FirmwareTurn& turn) {
-  return fmt::format("{} phase {:.1f} deg, Ms {:.2f}", to_string(turn.gains.axis),
-                     in_degrees(turn.whole.phase_margin), turn.whole.Ms);
+/// The rotation loops on the board.
+struct BoardTurns {
+  std::vector<FirmwareTurn> turns;
+  std::vector<Parameter> remaining;
+};
+
+BoardTurns turns_of(const ExportContent& content, const Firmware& target) {
+  std::vector<Parameter> values =
+      firmware_parameters(target, content.vehicle, content.cascade->gains).values;
+  BoardTurns result{{}, remaining(content, target, values)};
+  values.insert(values.end(), result.remaining.begin(), result.remaining.end());
+  result.turns = firmware_turns(target, content.vehicle, values);
+  return result;
 }
 
 /// Reports the rotation loops with the filters and delays of the firmware.
 /// @throws NoSolution  if a loop is unstable
 std::string turns_on_board(const ExportContent& content, ExportKind kind) {
   const Firmware target = target_of(content, kind);
-  std::string text = "with the filters and the delay of the firmware at their defaults:";
-  for (const FirmwareTurn& turn : turns_of(content, target)) {
+  const BoardTurns board = turns_of(content, target);
+  std::string text = "with the filters and the delay of the firmware at their defaults";
+  if (!board.remaining.empty()) {
+    std::vector<std::string> kept;
+    for (const Parameter& one : board.remaining)
+      kept.push_back(fmt::format("{} {:.6g}", one.name, one.value));
+    text += fmt::format(", except {}, which the board keeps", internal::joined(kept, ", "));
+  }
+  text += ":";
+  for (const FirmwareTurn& turn : board.turns) {
     if (!turn.whole.stable)
       throw NoSolution(fmt::format("{}: {} is unstable with the filters and the delay of {} {}; "
                                    "nothing was written; compute gains for this firmware with "
@@ -80,7 +106,7 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
                                    content.vehicle.name, to_string(turn.gains.axis), kind.name(),
                                    target.version, kind.name()),
                        content.vehicle.name);
-    text += " " + turn_text(turn) + ";";
+    text += " " + describe(turn) + ";";
   }
   text.pop_back();
   return text;
@@ -121,6 +147,7 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
   content.gains = std::move(laws.gains);
   content.cascade = std::move(laws.cascade);
   content.estimator = std::move(laws.estimator);
+  content.board = std::move(laws.parameters);
   if (content.gains) content.gains->vehicle = content.vehicle.name;
   if (content.cascade)
     content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, path);
@@ -146,9 +173,15 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   if (content.schedule) {
     const Eigen::Index points = content.schedule->size();
     const Eigen::Index none = points - content.schedule->solved_count();
-    if (none == 0) return {};
-    return {fmt::format("{} of {} {} no gain; the program's status reports that", none,
-                        internal::counted(points, "point"), none == 1 ? "has" : "have")};
+    std::vector<std::string> told;
+    if (!(content.schedule->dt > 0))
+      told.emplace_back(
+          "the gains are continuous: they are exact for a computer that is fast; gains of "
+          "`lqr V --schedule GRID --method sampled --dt T` account for its period T");
+    if (none > 0)
+      told.push_back(fmt::format("{} of {} {} no gain; the program's status reports that", none,
+                                 internal::counted(points, "point"), none == 1 ? "has" : "have"));
+    return told;
   }
   if (exporter.target.is_firmware) {
     const ExportContent before = content;
@@ -184,16 +217,13 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
 
 std::string weak_loops(const ExportContent& content, ExportKind kind) {
   if (!exporter_of(kind, "--to").target.is_firmware || !content.cascade) return "";
-  constexpr double kMinPhase = 20, kMaxMs = 3;  // [deg]
   std::string weak;
-  for (const FirmwareTurn& turn : turns_of(content, target_of(content, kind)))
-    if (!(in_degrees(turn.whole.phase_margin) >= kMinPhase && turn.whole.Ms <= kMaxMs))
-      weak += (weak.empty() ? "" : ", ") + turn_text(turn);
+  for (const FirmwareTurn& turn : turns_of(content, target_of(content, kind)).turns)
+    if (!has_margins_to_fly(turn)) weak += (weak.empty() ? "" : ", ") + describe(turn);
   if (weak.empty()) return "";
   return fmt::format(
-      "with the filters and the delay of {}, the margins are too small to fly ({}; "
-      "expected a phase of at least {} deg and an Ms of at most {})",
-      kind.name(), weak, kMinPhase, kMaxMs);
+      "with the filters and the delay of {}, the margins are too small to fly ({}; expected {})",
+      kind.name(), weak, margins_to_fly());
 }
 
 std::string unstable_loop(const ExportContent& content) {
@@ -209,6 +239,14 @@ std::string unstable_loop(const ExportContent& content) {
   if (found.empty() && content.cascade && content.cascade_plant)
     found = problem("this cascade", closed_loop_poles(*content.cascade_plant, *content.cascade));
   return found;
+}
+
+std::string unstable_flown_loop(const ExportContent& content) {
+  for (const FlownLaw& law :
+       flown_laws(content.vehicle, content.gains, content.cascade, content.estimator))
+    if (law.loop && !law.holds())
+      return fmt::format("the flown loop of the {} is unstable: {}", law.name, describe(*law.loop));
+  return "";
 }
 
 }  // namespace quadtune

@@ -175,6 +175,14 @@ PreparedExport prepare_export(const SourceExport& request) {
   if (const std::string problem = unstable_loop(content);
       !problem.empty() && !(of_design && request.force))
     throw ExportRefused(problem, content.vehicle.name, false);
+  // The design was checked with its flown loop, and the firmware's loops are checked below.
+  if (const std::string problem = of_design || export_target(kind.name(), "to").is_firmware
+                                      ? ""
+                                      : unstable_flown_loop(content);
+      !problem.empty()) {
+    refuse_unless_forced(request, problem);
+    content.forced.push_back(problem);
+  }
   if (const std::string weak = weak_loops(content, kind); !weak.empty()) {
     refuse_unless_forced(
         request, fmt::format("{}; expected gains for this firmware, such as those of `quadtune pid "

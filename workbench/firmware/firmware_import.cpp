@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "firmware/turn_parts.hpp"
 #include "quadtune/errors.hpp"
@@ -19,6 +20,11 @@
 
 namespace quadtune {
 namespace {
+
+constexpr double kMinPhase = 20;  // [deg]
+constexpr double kMaxMs = 3;
+
+double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const FirmwareLoop& loop,
                      const std::vector<Parameter>& values) {
@@ -50,15 +56,22 @@ void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
         to_string(turn.gains.axis)));
 }
 
-void note_unstable(const std::vector<FirmwareTurn>& turns, std::vector<std::string>& notes) {
-  std::vector<std::string> unstable;
-  for (const FirmwareTurn& turn : turns)
-    if (!turn.whole.stable) unstable.push_back(to_string(turn.gains.axis));
+void note_weak(const std::vector<FirmwareTurn>& turns, std::vector<std::string>& notes) {
+  std::vector<std::string> unstable, weak;
+  for (const FirmwareTurn& turn : turns) {
+    if (!turn.whole.stable)
+      unstable.push_back(to_string(turn.gains.axis));
+    else if (!has_margins_to_fly(turn))
+      weak.push_back(describe(turn));
+  }
   if (!unstable.empty())
     notes.push_back(
         fmt::format("the loops of {} are UNSTABLE in the firmware, with its filters and "
                     "its delay",
                     internal::joined(unstable, " and ")));
+  if (!weak.empty())
+    notes.push_back(fmt::format("the margins are too small to fly: {}; expected {}",
+                                internal::joined(weak, ", "), margins_to_fly()));
 }
 
 void note_hover(const Firmware& firmware, const Vehicle& vehicle, const ParameterFile& file,
@@ -109,6 +122,20 @@ ExportContent content_of(const Vehicle& vehicle, const CascadeGains& gains) {
 
 }  // namespace
 
+bool has_margins_to_fly(const FirmwareTurn& turn) {
+  return turn.whole.stable && degrees(turn.whole.phase_margin) >= kMinPhase &&
+         turn.whole.Ms <= kMaxMs;
+}
+
+std::string margins_to_fly() {
+  return fmt::format("a phase of at least {} deg and an Ms of at most {}", kMinPhase, kMaxMs);
+}
+
+std::string describe(const FirmwareTurn& turn) {
+  return fmt::format("{} phase {:.1f} deg, Ms {:.2f}", to_string(turn.gains.axis),
+                     degrees(turn.whole.phase_margin), turn.whole.Ms);
+}
+
 std::vector<FirmwareTurn> firmware_turns(const Firmware& firmware, const Vehicle& vehicle,
                                          const std::vector<Parameter>& values) {
   std::vector<FirmwareTurn> result;
@@ -149,7 +176,7 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
     note_hover(firmware, vehicle, *file, result.notes);
   }
   for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);
-  note_unstable(result.turns, result.notes);
+  note_weak(result.turns, result.notes);
   result.content =
       content_of(vehicle, cascade_of(result.loops, pilot, dt > 0 ? dt : kFirmwarePeriod));
   result.content.parameters = StoredParameters{firmware, values};

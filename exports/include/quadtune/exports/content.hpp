@@ -61,10 +61,13 @@ struct ExportContent {
   FlightCodeOptions flight_code;               ///< for exports of flight code
   FirmwareOptions firmware;                    ///< for exports of firmware parameters
   std::optional<StoredParameters> parameters;  ///< of a board whose loops `cascade` represents
-  std::vector<std::string> firmware_notes;     ///< changes that the parameters make to the cascade;
-                                               ///< set by Exporter::fit
-  ExportEvidence evidence;                     ///< of `gains`
-  std::vector<std::string> forced;             ///< reasons for rejection that --force overrode
+  /// Of the board from which the cascade was imported. Those that the parameters of a firmware do
+  /// not list remain on the board.
+  std::optional<StoredParameters> board = {};
+  std::vector<std::string> firmware_notes;  ///< changes that the parameters make to the cascade;
+                                            ///< set by Exporter::fit
+  ExportEvidence evidence;                  ///< of `gains`
+  std::vector<std::string> forced;          ///< reasons for rejection that --force overrode
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   /// Further libraries: name, version.
   std::vector<std::pair<std::string, std::string>> versions;

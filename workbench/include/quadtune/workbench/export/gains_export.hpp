@@ -44,13 +44,18 @@ void require_sampled(const StoredLaws& laws, const std::string& path);
 [[nodiscard]] std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind);
 
 /// The loops of roll, pitch and yaw whose margins are too small to fly with the filters and the
-/// delay of the target firmware at their defaults: a phase margin below 20 deg or Ms above 3. Empty
-/// if all are sufficient, or if the target is no firmware. The content must have passed
+/// delay of the target firmware: a phase margin below 20 deg or Ms above 3. The filters have their
+/// defaults, except those that content.board sets. Empty if all are sufficient, or if the target is no firmware. The content must have passed
 /// adapt_to_program().
 [[nodiscard]] std::string weak_loops(const ExportContent& content, ExportKind kind);
 
 /// Describes the loop that makes the laws fail: "the loop of these gains with mambo is unstable
 /// (spectral radius 1.2)"; empty if every known loop is stable.
 [[nodiscard]] std::string unstable_loop(const ExportContent& content);
+
+/// The same for the loop with sensors and estimator at hover, as `verify` analyses it; empty if none
+/// that can be analysed is unstable.
+/// @throws NoSolution  if the vehicle cannot fly the trim of the gains
+[[nodiscard]] std::string unstable_flown_loop(const ExportContent& content);
 
 }  // namespace quadtune

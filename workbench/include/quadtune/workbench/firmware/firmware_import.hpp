@@ -54,6 +54,14 @@ struct FirmwareImport {
                                                             const std::vector<Parameter>& values,
                                                             bool angle);
 
+/// Whether the whole loop has the smallest margins with which a vehicle should fly: a phase of 20
+/// deg and an Ms of 3. Other checks of this workbench ask for more, but many boards fly with less.
+[[nodiscard]] bool has_margins_to_fly(const FirmwareTurn& turn);
+/// "a phase of at least 20 deg and an Ms of at most 3".
+[[nodiscard]] std::string margins_to_fly();
+/// "roll phase 30.9 deg, Ms 1.99", of the whole loop.
+[[nodiscard]] std::string describe(const FirmwareTurn& turn);
+
 /// Roll, pitch and yaw with their margins.
 /// @throws InvalidInput, NoSolution  as firmware_loops()
 [[nodiscard]] std::vector<FirmwareTurn> firmware_turns(const Firmware& firmware,
