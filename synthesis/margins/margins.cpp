@@ -83,7 +83,10 @@ class SingleLoop {
       if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
       samples_.w.push_back(w);
       samples_.L.push_back(L);
-      samples_.S.push_back(sensitivity(w));
+      // Not finite where L is finite: L = -1, a closed-loop pole on the axis.
+      const Complex S = sensitivity(w);
+      const bool finite = std::isfinite(S.real()) && std::isfinite(S.imag());
+      samples_.S.push_back(finite ? S : Complex(kInfinite, 0));
     }
     // Exactly real, so that a crossing at Nyquist is detected.
     if (response_.discrete && !samples_.L.empty()) samples_.L.back().imag(0);

@@ -418,7 +418,8 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
   if (flight.bound && setup.real_sensors) note_drifts(flight);
   note_short_flight(flight);
-  if (const auto* feedback = std::get_if<StateFeedbackController>(&setup.controller))
+  if (const auto* feedback = std::get_if<StateFeedbackController>(&setup.controller);
+      feedback != nullptr && !feedback->schedule)
     note_other_yaw(yaw_of(feedback->gains), flight);
   return flight;
 }

@@ -99,6 +99,7 @@ Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
 }
 
 std::optional<double> yaw_of(const Gains& gains) {
+  if (gains.axes == PositionAxes::heading) return std::nullopt;
   const NedTrim trim(gains);
   return trim.in_world_axes() ? std::optional(trim.yaw()) : std::nullopt;
 }

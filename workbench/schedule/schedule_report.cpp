@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/linearize/linearize.hpp"
 
 namespace quadtune {
@@ -57,6 +61,28 @@ std::vector<std::string> notes_of_model(const Vehicle& vehicle, const GainSchedu
   return notes;
 }
 
+/// Axes whose numbers may be in another unit.
+std::vector<std::string> notes_of_units(const GainSchedule& schedule) {
+  constexpr double kFastTurn = 10;  // [rad/s]
+  std::vector<std::string> notes;
+  for (const ScheduleAxis& axis : schedule.axes) {
+    const double low = axis.values.front(), high = axis.values.back();
+    const std::string name = to_string(axis.quantity);
+    const bool ratio =
+        axis.quantity == ScheduleQuantity::mass || axis.quantity == ScheduleQuantity::density;
+    if (ratio && !(low <= 1 && high >= 1))
+      notes.push_back(
+          fmt::format("{} is a ratio to that of the vehicle, and {:.6g} to {:.6g} does not contain "
+                      "1, the vehicle as it is",
+                      name, low, high));
+    const double turn = std::max(std::abs(low), std::abs(high));
+    if (axis.quantity == ScheduleQuantity::yaw_rate && turn > kFastTurn)
+      notes.push_back(fmt::format("{} is in rad/s: {:.6g} rad/s is {:.4g} deg/s", name, turn,
+                                  turn * 180 / std::numbers::pi));
+  }
+  return notes;
+}
+
 }  // namespace
 
 PointTally tally(const GainSchedule& schedule, PointStatus status) {
@@ -91,11 +117,14 @@ ScheduleReport schedule_report(const Vehicle& vehicle, std::vector<ScheduleAxis>
   const GainSchedule& schedule = report.schedule;
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   const std::string infeasible = infeasible_words(schedule);
+  const std::vector<std::string> units = notes_of_units(schedule);
   if (schedule.solved_count() == 0)
     throw NoSolution(
-        fmt::format("lqr: {}: no point of the schedule has a gain: {}", vehicle.name, infeasible),
+        fmt::format("lqr: {}: no point of the schedule has a gain: {}{}{}", vehicle.name,
+                    infeasible, units.empty() ? "" : "; ", internal::joined(units, "; ")),
         where);
   report.messages = notes_of_model(vehicle, schedule, design);
+  for (const std::string& note : units) report.messages.push_back("note: " + note);
   if (!infeasible.empty()) report.messages.push_back("warning: " + infeasible);
   report.messages.push_back(fmt::format(
       "{} in {:.3f} s", counted_points(static_cast<std::size_t>(schedule.size())), wall.count()));

@@ -343,6 +343,17 @@ TEST_F(LikelyMistakes, AStateFeedbackForAnotherYawIsNoted) {
   const ProgramResult right = run_program(there);
   EXPECT_LE(right.status, 1) << right.err;
   EXPECT_THAT(right.err, Not(HasSubstr("the gains are for the yaw")));
+  // These errors are along the heading: the gains hold at every yaw.
+  const std::string one = (folder_.path() / "one.json").string();
+  const std::string schedule = (folder_.path() / "schedule.json").string();
+  ASSERT_EQ(run_program({"lqr", "uquad", "--plant", "ideal", "--R", "0.01", "-o", one}).status, 0);
+  ASSERT_EQ(
+      run_program({"lqr", "uquad", "--schedule", "speed=0:1:1", "--R", "0.01", "-o", schedule})
+          .status,
+      0);
+  for (const std::string& gains : {one, schedule})
+    EXPECT_THAT(run_program({"fly", "uquad", "--gains", gains, "--mission", mission}).err,
+                Not(HasSubstr("the gains are for the yaw")));
 }
 
 TEST_F(LikelyMistakes, ALineWithoutSpeedIsAHover) {
@@ -463,6 +474,25 @@ TEST_F(LikelyMistakes, AChannelOfTheOppositeSignFailsATuning) {
       run_program({"tune", "kalman", "--model", "altitude", "--starts", "1", "--log",
                    source_folder() + "/docs/examples/bobbing.csv"});
   EXPECT_EQ(right.status, 0) << right.err;
+}
+
+// Masses in kg and yaw rates in degrees per second on the axes of a schedule.
+TEST_F(LikelyMistakes, UnitsOfTheAxesOfASchedule) {
+  const auto lqr = [&](const std::string& grid) {
+    return run_program({"lqr", "uquad", "--schedule", grid, "--R", "0.01", "-o", path("s.toml")});
+  };
+  EXPECT_THAT(lqr("mass=1.1:0.1:1.2").err,
+              HasSubstr("note: mass is a ratio to that of the vehicle, and 1.1 to 1.2 does not "
+                        "contain 1"));
+  EXPECT_THAT(lqr("yaw_rate=0:45:45").err,
+              HasSubstr("yaw_rate is in rad/s: 45 rad/s is 2578 deg/s"));
+  EXPECT_THAT(lqr("mass=1.741").err, HasSubstr("and 1.741 to 1.741 does not contain 1"));
+  const ProgramResult right = lqr("speed=0:1:1, mass=0.9:0.1:1.1, yaw_rate=0:1:1");
+  EXPECT_EQ(right.status, 0) << right.err;
+  EXPECT_THAT(right.err, Not(HasSubstr("ratio")));
+  EXPECT_THAT(right.err, Not(HasSubstr("deg/s")));
+  EXPECT_THAT(run_program({"export", path("s.toml"), "--to", "c", "-o", path("s")}).err,
+              HasSubstr("note: the gains are continuous"));
 }
 
 }  // namespace

@@ -223,6 +223,17 @@ TEST(LoopMargins, FindsNarrowPeaks) {
   EXPECT_NEAR(m.Mt, 1e-4 / (2 * zeta * 3.3 * 3.3), 1e-4 * m.Mt);
 }
 
+// k/s² closes to an undamped oscillation at √k, where L is -1 exactly or up to rounding.
+TEST(LoopMargins, AnUndampedLoopHasNoFiniteMs) {
+  for (const double k : {1.0, 3.0, 4.0, 1e-4}) {
+    const LoopMargins m = loop_margins(loop({k}, {1, 0, 0}));
+    EXPECT_FALSE(m.stable);
+    EXPECT_GT(m.Ms, 1e12) << k;
+    EXPECT_GT(m.Mt, 1e12) << k;
+    EXPECT_NEAR(m.w_Ms, std::sqrt(k), 1e-9 * std::sqrt(k));
+  }
+}
+
 // Anderson, Moore 1990: with a diagonal R, |S| ≤ 1 in the loop of each input.
 TEST(LoopMargins, OfLqrAreGuaranteed) {
   std::mt19937_64 random(7);

@@ -34,7 +34,7 @@ namespace quadtune {
 [[nodiscard]] Linearization linearization_of(const Vehicle& vehicle, const Gains& gains);
 
 /// The yaw [rad] at which a feedback of horizontal position is valid, because the position is in
-/// world axes; empty if the gains feed back none.
+/// world axes; empty if the gains feed back none, or errors along the heading.
 [[nodiscard]] std::optional<double> yaw_of(const Gains& gains);
 
 /// The same, sampled with the sample time of the gains.
