@@ -154,7 +154,8 @@ class Assembly {
  public:
   Assembly(const FlightSetup& setup, const FlownPlantOptions& options)
       : options_(options), body_(internal::flown_body(setup, options.inputs, options.height)) {
-    if (options.separate_axes && options.inputs == InputKind::wrench) internal::separate_axes(body_);
+    if (options.separate_axes && options.inputs == InputKind::wrench)
+      internal::separate_axes(body_);
     note_omissions(flown_vehicle(setup));
     add_channels(setup);
     if (setup.estimator != EstimatorKind::truth)
