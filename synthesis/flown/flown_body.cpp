@@ -195,11 +195,11 @@ void part_rotors(FlownBody& body) {
         i < 4 ? kNames[static_cast<std::size_t>(i)] : "rotors against each other";
 }
 
-/// The groups of axes, see FlownAxis. A state against which the rotors work without effect on thrust
-/// and torques belongs to none of them.
+/// The groups of axes, see FlownAxis. Changes of the rotor speeds that affect neither thrust nor
+/// torques belong to none of them.
 enum class Group { north, east, altitude, yaw, none };
 
-/// Of the states of a body after part_rotors().
+/// Returns the group of each state of a body after part_rotors().
 std::vector<Group> groups_of_states(Index states) {
   using enum Group;
   std::vector<Group> groups = {north,    east, altitude, east, north,    yaw,  north, east,
@@ -208,13 +208,13 @@ std::vector<Group> groups_of_states(Index states) {
   return groups;
 }
 
-/// Of the inputs [T τx τy τz].
+/// The group of each input [T τx τy τz].
 constexpr std::array<Group, 4> kGroupsOfWrench = {Group::altitude, Group::east, Group::north,
                                                   Group::yaw};
-/// Of the specific force.
+/// The group of each component of the specific force.
 constexpr std::array<Group, 3> kGroupsOfForce = {Group::north, Group::east, Group::altitude};
 
-/// Sets the entries to 0 whose row and column belong to different groups.
+/// Sets the entries of M to 0 whose row and column belong to different groups.
 /// @return  whether one of them exceeds the rounding of its row
 template <class Rows, class Columns>
 bool keep_groups(const Rows& rows, const Columns& columns, Eigen::Ref<MatrixXd> M) {

@@ -57,8 +57,7 @@ Firmware target_of(const ExportContent& content, ExportKind kind) {
   return firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
 }
 
-/// The parameters of the board that an export leaves as they are, if another value than the default
-/// is known.
+/// The known parameters of the board that an export does not list, so that the board keeps them.
 std::vector<Parameter> remaining(const ExportContent& content, const Firmware& target,
                                  const std::vector<Parameter>& written) {
   if (!content.board || content.board->firmware.kind != target.kind) return {};
@@ -176,8 +175,8 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
     std::vector<std::string> told;
     if (!(content.schedule->dt > 0))
       told.emplace_back(
-          "the gains are continuous: they are exact for a computer that is fast; gains of "
-          "`lqr V --schedule GRID --method sampled --dt T` account for its period T");
+          "the gains are continuous, so they are valid only for a short control period; gains of "
+          "`lqr V --schedule GRID --method sampled --dt T` are computed for the period T");
     if (none > 0)
       told.push_back(fmt::format("{} of {} {} no gain; the program's status reports that", none,
                                  internal::counted(points, "point"), none == 1 ? "has" : "have"));

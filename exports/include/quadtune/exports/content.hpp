@@ -61,8 +61,8 @@ struct ExportContent {
   FlightCodeOptions flight_code;               ///< for exports of flight code
   FirmwareOptions firmware;                    ///< for exports of firmware parameters
   std::optional<StoredParameters> parameters;  ///< of a board whose loops `cascade` represents
-  /// Of the board from which the cascade was imported. Those that the parameters of a firmware do
-  /// not list remain on the board.
+  /// The parameters of the board from which the cascade was imported. The board keeps the values of
+  /// all parameters that an export to its firmware does not list.
   std::optional<StoredParameters> board = {};
   std::vector<std::string> firmware_notes;  ///< changes that the parameters make to the cascade;
                                             ///< set by Exporter::fit

@@ -81,7 +81,7 @@ class ParameterValues {
 /// The contents of a parameter file.
 struct ParameterFile {
   std::vector<Parameter> values;   ///< parameters of the control loops, each once
-  std::size_t others = 0;          ///< parameters of other parts; not those in `notes`
+  std::size_t others = 0;          ///< number of other parameters, not in `notes`
   std::vector<std::string> notes;  ///< e.g. about a name that may be misspelled
 };
 

@@ -214,8 +214,8 @@ class Plant {
            any(z + (ground.leg_height + ground.leg_reach + ground.leg_reach) > T(0));
   }
 
-  /// A Runge-Kutta step without contact: without branches, the compiler keeps the intermediate states
-  /// in registers.
+  /// A Runge-Kutta step without contact. Without the branch for contact in each stage, the compiler
+  /// keeps more of the intermediate states in registers.
   /// @param lowest  receives the greatest z of the states of which it takes the derivative
   template <Terms kTerms>
   [[nodiscard, gnu::always_inline]] State free_step(const State& x, double h, T& lowest) const {
