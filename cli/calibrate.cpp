@@ -46,13 +46,17 @@ ImuChannels channels_of(const Options& options) {
   return channels;
 }
 
-CalibratedImu calibrated(const Options& options, const Context& context) {
+CalibratedImu calibrated(const CommandLine& line, const Options& options, const Context& context) {
   ImuLogOptions imu;
   imu.note = notes_of(context);
   imu.calibration.gravity = options.gravity.value_or(imu.calibration.gravity);
   imu.calibration.field = options.field.value_or(imu.calibration.field);
   if (options.simulate) {
     if (!options.logs.empty()) refuse("--simulate", "--simulate cannot be combined with --log");
+    line.refuse_given(
+        {"--accelerometer", "--gyroscope", "--magnetometer", "--temperature", "--temperature-scale",
+         "--format", "--columns", "--rate", "--time", "--time-unit"},
+        "describes a log, expected --log instead of --simulate");
     imu.made_up = context.seed;
     return calibrate_from_logs(imu);
   }
@@ -64,14 +68,14 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   return calibrate_from_logs(imu);
 }
 
-void run_calibrate(const Options& options, Context& context) {
+void run_calibrate(const CommandLine& line, const Options& options, Context& context) {
   if (options.what.empty()) refuse("WHAT", "the kind of sensor is missing, expected imu");
   if (options.what != "imu")
     refuse("WHAT", "unknown sensor '{}'; expected: quadtune calibrate imu{}", options.what,
            internal::did_you_mean(options.what, {"imu"}));
   std::optional<ImuCalibrationFile> base;
   if (!options.base.empty()) base = read_imu_calibration(options.base);
-  const CalibratedImu imu = calibrated(options, context);
+  const CalibratedImu imu = calibrated(line, options, context);
   if (!options.file.empty()) {
     const ImuCalibrationFile file = calibration_file(imu.found, base);
     context.write(options.file, imu_calibration_text(file));

@@ -97,6 +97,18 @@ void check_rotor(const Rotor& rotor, std::size_t number, double max_speed, const
                     name, torque, max_speed));
 }
 
+// A law for the flown plant has one state for the lag of each rotor, or none.
+void check_lags(const Vehicle& vehicle, const Checker& check) {
+  for (std::size_t i = 1; i < vehicle.rotors.size(); ++i) {
+    const double first = slower_lag(vehicle.rotors.front()), lag = slower_lag(vehicle.rotors[i]);
+    if ((first > 0) == (lag > 0)) continue;
+    check.refuse(
+        fmt::format("rotor 1 has a lag of {:.6g} s and rotor {} of {:.6g} s, expected a "
+                    "lag of all rotors or of none",
+                    first, i + 1, lag));
+  }
+}
+
 // If all rotors turn the same way, their drag torques add up at any speeds that lift the vehicle.
 void check_yaw_balance(const Vehicle& vehicle, const Checker& check) {
   double torque = 0;
@@ -168,6 +180,7 @@ void validate(const Vehicle& vehicle, const std::string& where) {
   const double max_speed = speed_of_command(vehicle.motor, vehicle.motor.max);
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
     check_rotor(vehicle.rotors[i], i + 1, max_speed, check);
+  check_lags(vehicle, check);
   check_yaw_balance(vehicle, check);
 }
 

@@ -28,6 +28,7 @@ using internal::ChannelResponse;
 using internal::Peak;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kZeroPhase = 1e-9;  // [rad] phase margins below are 0 but for rounding
 
 /// The response of one channel on the grid.
 struct Samples {
@@ -197,7 +198,9 @@ std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
   std::vector<GainCrossover> all;
   for (const double w : loop.roots(log_size)) {
     const double phase = wrap_angle(std::arg(loop.at(w)) + kPi);
-    all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
+    // A phase margin of 0, but for rounding, leaves no delay margin, not one of a whole turn.
+    const double lag = std::abs(phase) < kZeroPhase ? 0 : phase > 0 ? phase : phase + 2 * kPi;
+    all.push_back({w, phase, w > 0 ? lag / w : kInfinite});
   }
   return all;
 }
@@ -234,7 +237,9 @@ bool stable_with_delay(const OpenLoop& loop) {
   // With |L| ≥ 1 at infinity, every delay leaves arbitrarily fast poles that are not stable.
   if (std::abs(prompt.at(kInfinite)(0, 0)) >= 1) return false;
   const Eigen::VectorXcd poles = prompt.closed_loop_poles();
-  auto unstable = static_cast<long>((poles.real().array() >= 0).count());
+  // Poles on the axis count as unstable, on whichever side of it they are computed.
+  auto unstable =
+      static_cast<long>((poles.real().array() >= -kZeroPhase * poles.array().abs()).count());
   const ChannelResponse of_prompt = response_of(prompt);
   const SingleLoop response(of_prompt);
   for (const GainCrossover& crossover : gain_crossovers(response)) {

@@ -310,12 +310,22 @@ std::string obstacle(const Problem& problem, const LoopRequirement& requirement,
   return "";
 }
 
+/// Rounds a positive number to four digits, up or down.
+double rounded(double x, double (*round)(double)) {
+  const double step = std::pow(10, std::floor(std::log10(x)) - 3);
+  return round(x / step) * step;
+}
+
 std::string possible(const PidLoopDesign& design) {
   if (std::isnan(design.highest_crossover)) return "no feasible crossover was found";
+  // The printed ends are feasible as well: they are rounded into the range.
+  const double low = rounded(design.lowest_crossover, std::ceil);
   if (std::isinf(design.highest_crossover))
-    return fmt::format("crossovers from {:.4g} rad/s upwards are feasible",
-                       design.lowest_crossover);
-  return fmt::format("crossovers between {:.4g} and {:.4g} rad/s are feasible",
+    return fmt::format("crossovers from {:.4g} rad/s upwards are feasible", low);
+  const double high = rounded(design.highest_crossover, std::floor);
+  if (low < high)
+    return fmt::format("crossovers between {:.4g} and {:.4g} rad/s are feasible", low, high);
+  return fmt::format("crossovers between {:.10g} and {:.10g} rad/s are feasible",
                      design.lowest_crossover, design.highest_crossover);
 }
 

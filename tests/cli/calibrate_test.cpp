@@ -214,6 +214,8 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
   EXPECT_THAT(refusal({"calibrate", "imu"}, 2), HasSubstr("--log is missing"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--simulate", "--log", "x"}, 2),
               HasSubstr("--simulate cannot be combined with --log"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--simulate", "--gyroscope", "none"}, 2),
+              HasSubstr("--gyroscope describes a log, expected --log instead of --simulate"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", "/nowhere/x"}, 5), HasSubstr("/nowhere/x"));
   const std::string log = folder.write("l.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,3\n2,1,2,x\n").string();
   const std::string words = refusal({"calibrate", "imu", "--log", log}, 3);

@@ -343,9 +343,10 @@ class Explanation {
   void of_estimator() {
     diagnosis_.why =
         fmt::format("the estimator: the law {}, and {}", others(), what_the_estimate_knows());
-    diagnosis_.next =
-        fmt::format("another `--estimator`; `{} --sensors ideal` repeats the flight without noise",
-                    fly_command(plan_));
+    diagnosis_.next = "another `--estimator`";
+    if (plan_.sensors != "ideal")
+      diagnosis_.next += fmt::format("; `{} --sensors ideal` repeats the flight without noise",
+                                     fly_command(plan_));
   }
 
   void of_drift() {

@@ -70,8 +70,12 @@ double correlation(std::span<const double> x, std::span<const double> y) {
 /// Adds the interval of a rank correlation of n pairs.
 Estimated with_interval(double r, std::size_t n) {
   if (n < 4 || std::isnan(r)) return {kNaN, kNaN, kNaN};
-  const double z = std::atanh(std::clamp(r, -1.0, 1.0));
-  const double width = kQuantile * std::sqrt((1 + r * r / 2) / (static_cast<double>(n) - 3));
+  // Two correlations of n ranks without ties differ by 12 / (n (n² - 1)) or more. Fisher's
+  // transform of ±1 is infinite; half of this step below 1 represents it.
+  const auto pairs = static_cast<double>(n);
+  const double largest = 1 - 6 / (pairs * (pairs * pairs - 1));
+  const double z = std::atanh(std::clamp(r, -largest, largest));
+  const double width = kQuantile * std::sqrt((1 + r * r / 2) / (pairs - 3));
   return {r, std::tanh(z - width), std::tanh(z + width)};
 }
 

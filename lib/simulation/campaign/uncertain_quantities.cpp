@@ -47,7 +47,7 @@ void add_body(Table& table) {
     p.flown.mass *= x;
     return true;
   });
-  // J_ij is scaled by √(s_i s_j), so that the inertia matrix stays that of a physical body.
+  // J_ij is scaled by √(s_i s_j), so that the inertia matrix remains positive definite.
   for (int axis = 0; axis < 3; ++axis)
     table.ratio(fmt::format("inertia_{}", "xyz"[axis]),
                 fmt::format("moment of inertia about body {}", "xyz"[axis]),

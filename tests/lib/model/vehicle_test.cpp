@@ -150,11 +150,13 @@ TEST(MotorCommand, ReadsBack) {
 
 TEST(VehicleFile, OverridesTheSharedRotorOneByOne) {
   std::vector<std::string> lines = kPlus;
+  lines[5] += "\nlag_s = 0.02";                                // of all rotors
   lines.push_back("Ct = 0.01\nradius_m = 0.1\nlag_s = 0.05");  // of the fourth rotor
   const Vehicle vehicle = parse(joined(lines));
   EXPECT_EQ(vehicle.rotors[2].thrust_a2, 5e-5);
   EXPECT_NEAR(vehicle.rotors[3].thrust_a2, 0.01 * 1.225 * std::numbers::pi * 1e-4, 1e-18);
   EXPECT_EQ(vehicle.rotors[3].torque_d2, 1e-6);
+  EXPECT_EQ(vehicle.rotors[2].lag, 0.02);
   EXPECT_EQ(vehicle.rotors[3].lag, 0.05);
   EXPECT_TRUE(std::isnan(vehicle.rotors[2].radius));
 }
@@ -257,6 +259,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "has Ct or Cq but no radius_m"},
         Refusal{"NegativeLag", plus_with(6, "thrust_a2_N_s2_per_rad2 = 5e-5\nlag_s = -1"),
                 "v.toml:7: lag_s in [rotor] is -1, expected 0 or more"},
+        Refusal{"LagOfOneRotor", plus_with(14, "spin = 'cw'\nlag_s = 0.04"),
+                "rotor 1 has a lag of 0.04 s and rotor 2 of 0 s, expected a lag of all rotors or "
+                "of none"},
         Refusal{"NoThrustAtFullSpeed",
                 plus_with(6, "thrust_a2_N_s2_per_rad2 = 5e-5\nthrust_a1_N_s_per_rad = -1"),
                 "rotor 1 gives -392 N at its maximum speed of 400 rad/s, expected more than 0"},

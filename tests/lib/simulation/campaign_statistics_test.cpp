@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "numbers.hpp"
@@ -125,6 +126,22 @@ TEST(RankCorrelation, IsSpearmans) {
   EXPECT_TRUE(std::isnan(rank_correlation(x, constant).value));
   std::vector<double> reached = {1, 2, 3, 4, kInfinity, kInfinity};
   EXPECT_GT(rank_correlation(x, reached).value, 0.95);
+}
+
+// Four pairs in the same order happen by chance in one of 24 cases.
+TEST(RankCorrelation, OfFewPairsIsUncertainAlsoIfItIsOne) {
+  const std::vector<double> x = {1, 2, 3, 4}, reversed = {4, 3, 2, 1};
+  const Estimated one = rank_correlation(x, x), opposite = rank_correlation(x, reversed);
+  EXPECT_DOUBLE_EQ(one.value, 1);
+  EXPECT_LT(one.low, 0);
+  EXPECT_GT(one.high, 0.9);
+  EXPECT_LE(one.high, 1);
+  EXPECT_DOUBLE_EQ(opposite.value, -1);
+  EXPECT_DOUBLE_EQ(opposite.low, -one.high);
+  EXPECT_DOUBLE_EQ(opposite.high, -one.low);
+  std::vector<double> many(200);
+  std::iota(many.begin(), many.end(), 0);
+  EXPECT_GT(rank_correlation(many, many).low, 0.9999);
 }
 
 /// Synthetic records: the first design fails where the mass is large.

@@ -234,6 +234,23 @@ TEST(LoopMargins, AnUndampedLoopHasNoFiniteMs) {
   }
 }
 
+// L is -1 at the crossover, and any delay makes the closed loop unstable.
+TEST(LoopMargins, AnUndampedLoopHasNoDelayMargin) {
+  for (const double k : {0.3, 1.0, 2.0, 3.0, 7.1}) {
+    EXPECT_EQ(loop_margins(loop({k}, {1, 0, 0})).delay_margin, 0) << k;
+    // k/(s² + 1) closes at √(k + 1), where its L is -1 as well.
+    EXPECT_EQ(loop_margins(loop({k}, {1, 0, 1})).delay_margin, 0) << k;
+    const LoopMargins delayed = loop_margins(loop({k}, {1, 0, 0}, 1e-3));
+    EXPECT_FALSE(delayed.stable) << k;
+  }
+  for (const double T : {0.1, 1.0, 3.0, 0.7}) {
+    // 2/T / (s (s T + 1)²) has L = -1 at 1/T.
+    const LoopMargins m = loop_margins(loop({2 / T}, {T * T, 2 * T, 1, 0}));
+    EXPECT_EQ(m.delay_margin, 0) << T;
+    EXPECT_FALSE(loop_margins(loop({2 / T}, {T * T, 2 * T, 1, 0}, 1e-6 * T)).stable) << T;
+  }
+}
+
 // Anderson, Moore 1990: with a diagonal R, |S| ≤ 1 in the loop of each input.
 TEST(LoopMargins, OfLqrAreGuaranteed) {
   std::mt19937_64 random(7);

@@ -194,8 +194,10 @@ TEST(PidLoop, ReportsTheFeasibleCrossovers) {
   EXPECT_NEAR(high.highest_crossover, std::tan(40 * kDegree), 1e-6);
   EXPECT_NEAR(high.lowest_crossover, std::tan(10 * kDegree), 1e-6);
   EXPECT_THAT(high.culprit, StrEq("PI at 2 rad/s must have a phase of 70.3 deg, but its range is "
-                                  "-90 to 0; crossovers between 0.1763 and 0.8391 rad/s are "
+                                  "-90 to 0; crossovers between 0.1764 and 0.839 rad/s are "
                                   "feasible"));
+  for (const double printed : {0.1764, 0.839})
+    EXPECT_TRUE(pid_for_crossover(three_lags(), requirement(PidType::PI, printed, 60)).solved());
   const PidLoopDesign low = pid_for_crossover(three_lags(), requirement(PidType::PI, 0.01, 60));
   EXPECT_EQ(low.status, PidLoopStatus::phase_infeasible);
   EXPECT_NEAR(low.lowest_crossover, std::tan(10 * kDegree), 1e-6);

@@ -16,7 +16,8 @@ struct GainCrossover {
   /// [rad] in (-π, π]: arg L + π. A phase lag of this size moves L to -1; if it is negative, a
   /// phase lead does.
   double phase_margin = 0;
-  double delay_margin = 0;  ///< [s] > 0: the smallest delay that moves L to -1 here
+  /// [s] The smallest delay that moves L to -1 here; 0 if the phase margin is 0 but for rounding.
+  double delay_margin = 0;
 };
 
 /// An isolated frequency at which L is real and negative.
