@@ -8,9 +8,10 @@ namespace quadtune::internal {
 
 void set_margins_of_crossovers(LoopMargins& margins) {
   for (const PhaseCrossover& at : margins.phase_crossovers) {
-    if (at.gain_margin > 1) margins.gain_margin = std::min(margins.gain_margin, at.gain_margin);
-    if (at.gain_margin < 1)
-      margins.gain_reduction = std::max(margins.gain_reduction, at.gain_margin);
+    // An L of -1, but for rounding, leaves no margin in either direction.
+    const double factor = std::abs(at.gain_margin - 1) < 1e-9 ? 1 : at.gain_margin;
+    if (factor >= 1) margins.gain_margin = std::min(margins.gain_margin, factor);
+    if (factor <= 1) margins.gain_reduction = std::max(margins.gain_reduction, factor);
   }
   for (const GainCrossover& at : margins.gain_crossovers) {
     margins.delay_margin = std::min(margins.delay_margin, at.delay_margin);

@@ -106,7 +106,7 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
       continue;
     }
     const double up = decibels(m.gain_margin);
-    const double down = -decibels(m.gain_reduction);
+    const double down = decibels(1 / m.gain_reduction);
     if (up < kMinGain)
       warn(fmt::format("gain margin {} dB, less than {} dB", below(up, kMinGain, 1), kMinGain));
     if (down < kMinGain)

@@ -247,6 +247,8 @@ TEST(LoopMargins, AnUndampedLoopHasNoDelayMargin) {
     // 2/T / (s (s T + 1)²) has L = -1 at 1/T.
     const LoopMargins m = loop_margins(loop({2 / T}, {T * T, 2 * T, 1, 0}));
     EXPECT_EQ(m.delay_margin, 0) << T;
+    EXPECT_EQ(m.gain_margin, 1) << T;
+    EXPECT_EQ(m.gain_reduction, 1) << T;
     EXPECT_FALSE(loop_margins(loop({2 / T}, {T * T, 2 * T, 1, 0}, 1e-6 * T)).stable) << T;
   }
 }
