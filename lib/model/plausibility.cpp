@@ -48,9 +48,11 @@ class Search {
     const bool weight_fits = weight();
     if (weight_fits) flight_settings();
     drag_torque();
-    if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed();
+    bool speed_fits = true;
+    if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed_fits = speed();
     motors(inertia_fits);
     if (arm_fits && weight_fits) battery();
+    if (weight_fits && speed_fits) air();
     delays();
     rates();
     noise();
@@ -194,18 +196,18 @@ class Search {
 
   /// T = C_T ρ π R⁴ w² with the C_T of propellers; R is known or limited by the distance between
   /// rotors.
-  void speed() {
+  bool speed() {
     const Rotor& rotor = vehicle_.rotors.front();
     const bool known = !std::isnan(rotor.radius);
     const double radius = known ? rotor.radius : room();
-    if (!(radius > 0)) return;
+    if (!(radius > 0)) return true;
     constexpr PlausibleRange kDistance{0.1, 2.1};  // two rotors: 2; 24 on a circle: 0.26
     if (const double distance = 2 * room() / arm_;
         !known && arm_ > 0 && !kDistance.holds(distance)) {
       found_.push_back({"smallest distance between two rotors over the arm", "", distance,
                         kDistance.low, kDistance.high,
                         "position_m of one of the two rotors may be wrong"});
-      return;
+      return true;
     }
     const double w = rotor_speed_for_thrust(rotor, thrust_);
     // A propeller may be smaller than half of the available radius: C_T scales with its fourth
@@ -224,9 +226,9 @@ class Search {
                         "Ct may be that of T = Ct rho n2 D4, expected that of T = Ct rho pi r4 w2"},
                        {4, "radius_m may be the diameter"},
                        {std::pow(1e3, 2), "radius_m seems to be in mm"}});
-    look(fmt::format("rotor speed at hover (for a propeller of {} {:.3g} m)",
-                     known ? "radius" : "at most", radius),
-         "rad/s", w, range, mistakes);
+    return look(fmt::format("rotor speed at hover (for a propeller of {} {:.3g} m)",
+                            known ? "radius" : "at most", radius),
+                "rad/s", w, range, mistakes);
   }
 
   /// C_T of the first rotor; not a number if its radius is unknown.
@@ -261,6 +263,41 @@ class Search {
             {1e4, "inertia_kg_m2 of the rotor seems to be in kg cm2"},
             {1e9, "inertia_kg_m2 of the rotor seems to be in g mm2"},
             {1e3, "inertia_kg_m2 of the rotor seems to be in g m2"}});
+  }
+
+  /// Drag and inflow of all rotors at hover, and drag of the body, as rates at which they change the
+  /// velocity of the vehicle.
+  void air() {
+    double drag = 0, inflow = 0, flapping = 0;
+    for (const Rotor& rotor : vehicle_.rotors) {
+      const double w = rotor_speed_for_thrust(rotor, thrust_);
+      drag += rotor.drag * w / vehicle_.mass;
+      inflow += rotor.inflow * w / vehicle_.mass;
+      flapping = std::max(flapping, rotor.flapping * w / thrust_);
+    }
+    const double w = rotor_speed_for_thrust(vehicle_.rotors.front(), thrust_);
+    const auto mistakes = [&](const std::string& key) -> std::vector<Mistake> {
+      return {{w, key + " may be that of a rotor at hover, expected that per rad/s"},
+              {kRpm, key + " may be for speeds in rpm"}};
+    };
+    if (drag > 0)
+      look("drag of the rotors at hover over mass", "1/s", drag, {2e-3, 3},
+           mistakes("drag_N_s2_per_rad_m"));
+    if (inflow > 0)
+      look("inflow of the rotors at hover over mass", "1/s", inflow, {0.01, 10},
+           mistakes("inflow_N_s2_per_rad_m"));
+    if (flapping > 0)
+      look("flapping of a rotor at hover over its thrust", "s", flapping, {1e-7, 0.05},
+           mistakes("flapping_N_s2_per_rad"));
+    const double area = vehicle_.drag.cda.maxCoeff(), linear = vehicle_.drag.linear.maxCoeff();
+    if (area > 0)
+      look("speed at which the drag of drag_area_m2 is the weight", "m/s",
+           std::sqrt(2 * vehicle_.mass * vehicle_.gravity / (vehicle_.air_density * area)),
+           {3, 300},
+           {{1e-2, "drag_area_m2 seems to be in cm2"}, {1e-3, "drag_area_m2 seems to be in mm2"}});
+    if (linear > 0)
+      look("linear drag over mass", "1/s", linear / vehicle_.mass, {1e-3, 5},
+           {{1e3, "drag_linear_N_s_per_m seems to be in mN s/m"}});
   }
 
   /// Energy per mass of the vehicle; the best cells have 300 W h/kg.

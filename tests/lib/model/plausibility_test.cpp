@@ -208,6 +208,42 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   EXPECT_EQ(found[2].cause, "command_delay_s seems to be in ms");
 }
 
+// Rotor drag slows a crazyflie down by 0.22 v per second, inflow by 0.25 v in a climb. With a drag
+// area of 10 cm2 its drag is its weight at 22 m/s.
+TEST(Plausibility, FindsWrongUnitsOfDragInflowAndFlapping) {
+  const Vehicle crazyflie = load_vehicle("crazyflie");
+  const double w = rotor_speed_for_thrust(crazyflie.rotors[0], crazyflie.mass * 9.81 / 4);
+  const auto found = [&](const std::function<void(Vehicle&)>& change) {
+    Vehicle vehicle = crazyflie;
+    change(vehicle);
+    std::string all;
+    for (const Implausibility& figure : find_implausible_values(vehicle))
+      all += to_string(figure) + "\n";
+    return all;
+  };
+  EXPECT_THAT(found([&](Vehicle& v) { scale(v, &Rotor::drag, w); }),
+              HasSubstr("drag of the rotors at hover over mass is 391.5 1/s, expected 0.002 to 3 "
+                        "1/s: drag_N_s2_per_rad_m may be that of a rotor at hover"));
+  EXPECT_THAT(found([&](Vehicle& v) { scale(v, &Rotor::inflow, 1e-3); }),
+              HasSubstr("inflow of the rotors at hover over mass"));
+  const auto flapping = [&](double k) {
+    return found([&](Vehicle& v) {
+      for (Rotor& rotor : v.rotors) rotor.flapping = k;
+    });
+  };
+  EXPECT_EQ(flapping(1e-9), "");  // an arm of 0.02 mm at 1 m/s
+  EXPECT_THAT(flapping(1e-5), HasSubstr("flapping of a rotor at hover over its thrust"));
+  EXPECT_EQ(found([](Vehicle& v) { v.drag.cda << 1e-3, 1e-3, 0; }), "");
+  EXPECT_THAT(found([](Vehicle& v) { v.drag.cda << 10, 10, 20; }),
+              HasSubstr("drag_area_m2 seems to be in cm2"));
+  EXPECT_EQ(found([](Vehicle& v) { v.drag.linear.setConstant(0.01); }), "");
+  EXPECT_THAT(found([](Vehicle& v) { v.drag.linear.setConstant(10); }),
+              HasSubstr("drag_linear_N_s_per_m seems to be in mN s/m"));
+  // A wrong thrust curve is reported alone.
+  EXPECT_THAT(found([](Vehicle& v) { scale(v, &Rotor::thrust_a2, kRpm * kRpm * kRpm * kRpm); }),
+              ::testing::Not(HasSubstr("inflow")));
+}
+
 TEST(Plausibility, ReportsQuantityRangeAndCause) {
   EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s seems to be in ms"}),
             "motor lag is 72 s, expected 0.001 to 0.5 s: lag_s seems to be in ms");
