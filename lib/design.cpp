@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
 #include "control/cascade_reader.hpp"
 #include "quadtune/convention_file.hpp"
@@ -394,7 +395,8 @@ CascadeDesign read_cascade(const TomlTable& table) {
       cascade.method = pid_method(table.text("integrator"), table.where("integrator"));
   }
   cascade.attitude_limit =
-      table.number_or("attitude_limit_rad", cascade.attitude_limit, Range::positive());
+      table.number_or("attitude_limit_rad", cascade.attitude_limit,
+                      {0, Range::Bound::open, std::numbers::pi, Range::Bound::closed});
   cascade.integrator_limit =
       table.number_or("integrator_limit", cascade.integrator_limit, Range::positive());
   cascade.back_calculation = table.number_or("back_calculation_per_s", 0, Range::not_negative());

@@ -97,6 +97,7 @@ class Chooser {
       const double said = stated_ticks(titles_[columns_.back()]);
       const bool by_title = choice.unit.empty() && said > 0;
       if (choice.unit.empty() && said == 0) refuse_other_unit(titles_[columns_.back()]);
+      if (said > 0 && said != choice.ticks) note_other_unit(titles_[columns_.back()], choice.unit);
       parts.push_back(
           {columns_.back(), by_title ? said : choice.ticks, by_title || !choice.unit.empty()});
     }
@@ -123,6 +124,15 @@ class Chooser {
       layout_.notes.push_back(
           "no column is recognized as a time in s, ms, us or ns: name it with --columns, such as "
           "'t_s:1, *', or give --rate");
+  }
+
+  /// Notes that the user chose a unit for a column that states another one.
+  void note_other_unit(const LogTitle& title, const std::string& chosen) {
+    if (chosen.empty() || title.unit.empty() || chosen == title.unit) return;
+    layout_.notes.push_back(
+        fmt::format("the line of names gives the unit {} of '{}'; the unit {} of "
+                    "--columns replaces it",
+                    printable(title.unit), printable(title.name), printable(chosen)));
   }
 
   /// Rejects a column that was selected as the time and is in another unit, such as min.
@@ -207,6 +217,7 @@ class Chooser {
                          fmt::format("column {} is selected twice, expected once", column + 1));
     std::string distinct = name.empty() ? fmt::format("c{}", column + 1) : name;
     while (!taken_.insert(distinct).second) distinct += fmt::format("#{}", column + 1);
+    note_other_unit(titles_[column], unit);
     layout_.roles[column] = {TextRole::Kind::kChannel, layout_.channels.size()};
     layout_.channels.push_back({distinct, unit.empty() ? titles_[column].unit : unit, column + 1});
   }

@@ -191,6 +191,8 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("integrator = \"tustin\"\n[cascade.design]\n"),
               HasSubstr("[cascade] has an integrator in addition to [cascade.design]"));
   EXPECT_THAT(said("[cascade.design]\nMs_max = 1\n"), HasSubstr("more than 1"));
+  EXPECT_THAT(said("attitude_limit_rad = 30\n[cascade.design]\n"),  // degrees
+              HasSubstr("attitude_limit_rad in [cascade] is 30, expected more than 0"));
   EXPECT_THAT(said("[cascade.design]\nintegrator = \"tusin\"\n"),
               HasSubstr("did you mean 'tustin'"));
   EXPECT_THAT(said("[cascade.design]\nintegral = [\"z\"]\n"), HasSubstr("no loop 'z'"));

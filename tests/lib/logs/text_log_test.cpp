@@ -112,6 +112,18 @@ TEST(TextLog, TakesColumnsByNumberAndAddsPartsOfTheTime) {
   EXPECT_THAT(rest.group("").time, ElementsAre(1.5));
 }
 
+TEST(TextLog, NotesAUnitThatReplacesThatOfTheNames) {
+  const auto notes = [](const std::string& text, const char* columns) {
+    return read_bytes(text, with_columns(columns, 10)).condition.notes;
+  };
+  EXPECT_THAT(notes("h[m]\n1\n", "height[cm]:h"),
+              ElementsAre("the line of names gives the unit m of 'h'; the unit cm of --columns "
+                          "replaces it"));
+  EXPECT_THAT(notes("h[m],k\n1,2\n", "height[m]:h, k[cm]"), IsEmpty());
+  const WholeLog log = read_bytes("stamp[ms],h\n1000,1\n1010,2\n", with_columns("t_us:stamp, *"));
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("unit ms of 'stamp'; the unit us of")));
+}
+
 TEST(TextLog, ARateCountsRowsAlsoThoseThatAreBroken) {
   const WholeLog log = read_bytes("a,b\n1,2\n1\n5,6\n", with_columns("a,b", 4));
   EXPECT_THAT(log.group("").time, ElementsAre(0, 0.5));
