@@ -248,8 +248,9 @@ bool solvable(const Problem& problem, double w) {
 }
 
 void search_crossovers(const Problem& problem, PidLoopDesign& design) {
-  const double first = problem.shape().grid().front();
-  const double last = problem.shape().grid().back();
+  // At an end of the grid, rounding can hide that |L| passes 1.
+  const double first = 1.1 * problem.shape().grid().front();
+  const double last = problem.shape().grid().back() / 1.1;
   const int steps = 20 * static_cast<int>(std::ceil(std::log10(last / first)));
   const double ratio = std::pow(last / first, 1.0 / steps);
   int lowest = -1;
@@ -318,11 +319,15 @@ double rounded(double x, double (*round)(double)) {
 
 std::string possible(const PidLoopDesign& design) {
   if (std::isnan(design.highest_crossover)) return "no feasible crossover was found";
+  const bool unlimited = std::isinf(design.highest_crossover);
+  if (design.lowest_crossover == 0 && unlimited)
+    return "some lower and some higher crossovers are feasible";
   // The printed ends are feasible as well: they are rounded into the range.
-  const double low = rounded(design.lowest_crossover, std::ceil);
-  if (std::isinf(design.highest_crossover))
-    return fmt::format("crossovers from {:.4g} rad/s upwards are feasible", low);
   const double high = rounded(design.highest_crossover, std::floor);
+  if (design.lowest_crossover == 0)
+    return fmt::format("crossovers up to {:.4g} rad/s are feasible", high);
+  const double low = rounded(design.lowest_crossover, std::ceil);
+  if (unlimited) return fmt::format("crossovers from {:.4g} rad/s upwards are feasible", low);
   if (low < high)
     return fmt::format("crossovers between {:.4g} and {:.4g} rad/s are feasible", low, high);
   return fmt::format("crossovers between {:.10g} and {:.10g} rad/s are feasible",

@@ -203,6 +203,17 @@ TEST(PidLoop, ReportsTheFeasibleCrossovers) {
   EXPECT_NEAR(low.lowest_crossover, std::tan(10 * kDegree), 1e-6);
 }
 
+// P on 1/(s + 1)³ needs 3 atan ω <= 135°. Low crossovers have any phase margin, because the gain is
+// 1 at ω = 0.
+TEST(PidLoop, ReportsARangeWithoutALowerEnd) {
+  const PidLoopDesign refused = pid_for_crossover(three_lags(), requirement(PidType::P, 5, 45));
+  EXPECT_EQ(refused.lowest_crossover, 0) << refused;
+  EXPECT_NEAR(refused.highest_crossover, 1, 1e-6);
+  EXPECT_THAT(refused.culprit, HasSubstr("crossovers up to"));
+  const PidLoopDesign low = pid_for_crossover(three_lags(), requirement(PidType::P, 1e-3, 45));
+  EXPECT_TRUE(low.solved()) << low;
+}
+
 // A PID without filter adds up to 90°: on e^(-s L)/s² the rest is -180 - ω L + 90 = -180 + margin.
 TEST(PidLoop, DelayBoundsTheCrossover) {
   const ContinuousTransferFunction P = plant(kOne, Eigen::Vector3d(1, 0, 0), 0.1);
