@@ -97,7 +97,7 @@ void check_rotor(const Rotor& rotor, std::size_t number, double max_speed, const
                     name, torque, max_speed));
 }
 
-// A law for the flown plant has one state for the lag of each rotor, or none.
+// The model of the flown plant has one state for the lag of each rotor, or none at all.
 void check_lags(const Vehicle& vehicle, const Checker& check) {
   for (std::size_t i = 1; i < vehicle.rotors.size(); ++i) {
     const double first = slower_lag(vehicle.rotors.front()), lag = slower_lag(vehicle.rotors[i]);

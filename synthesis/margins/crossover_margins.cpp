@@ -8,7 +8,7 @@ namespace quadtune::internal {
 
 void set_margins_of_crossovers(LoopMargins& margins) {
   for (const PhaseCrossover& at : margins.phase_crossovers) {
-    // An L of -1, but for rounding, leaves no margin in either direction.
+    // If L is -1 up to rounding, there is no margin in either direction.
     const double factor = std::abs(at.gain_margin - 1) < 1e-9 ? 1 : at.gain_margin;
     if (factor >= 1) margins.gain_margin = std::min(margins.gain_margin, factor);
     if (factor <= 1) margins.gain_reduction = std::max(margins.gain_reduction, factor);

@@ -28,7 +28,7 @@ using internal::ChannelResponse;
 using internal::Peak;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kZeroPhase = 1e-9;  // [rad] phase margins below are 0 but for rounding
+constexpr double kZeroPhase = 1e-9;  // [rad] smaller phase margins are 0 up to rounding
 
 /// The response of one channel on the grid.
 struct Samples {
@@ -198,7 +198,7 @@ std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
   std::vector<GainCrossover> all;
   for (const double w : loop.roots(log_size)) {
     const double phase = wrap_angle(std::arg(loop.at(w)) + kPi);
-    // A phase margin of 0, but for rounding, leaves no delay margin, not one of a whole turn.
+    // If the phase margin is 0 up to rounding, so is the delay margin; it is not a whole turn.
     const double lag = std::abs(phase) < kZeroPhase ? 0 : phase > 0 ? phase : phase + 2 * kPi;
     all.push_back({w, phase, w > 0 ? lag / w : kInfinite});
   }

@@ -70,8 +70,8 @@ double correlation(std::span<const double> x, std::span<const double> y) {
 /// Adds the interval of a rank correlation of n pairs.
 Estimated with_interval(double r, std::size_t n) {
   if (n < 4 || std::isnan(r)) return {kNaN, kNaN, kNaN};
-  // Two correlations of n ranks without ties differ by 12 / (n (n² - 1)) or more. Fisher's
-  // transform of ±1 is infinite; half of this step below 1 represents it.
+  // Fisher's transform of ±1 is infinite. Without ties, the largest correlation below 1 is
+  // 1 - 12 / (n (n² - 1)); the middle between it and 1 takes the place of 1.
   const auto pairs = static_cast<double>(n);
   const double largest = 1 - 6 / (pairs * (pairs * pairs - 1));
   const double z = std::atanh(std::clamp(r, -largest, largest));

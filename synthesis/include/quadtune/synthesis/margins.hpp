@@ -16,7 +16,7 @@ struct GainCrossover {
   /// [rad] in (-π, π]: arg L + π. A phase lag of this size moves L to -1; if it is negative, a
   /// phase lead does.
   double phase_margin = 0;
-  /// [s] The smallest delay that moves L to -1 here; 0 if the phase margin is 0 but for rounding.
+  /// [s] The smallest delay that moves L to -1 here; 0 if the phase margin is 0 up to rounding.
   double delay_margin = 0;
 };
 
