@@ -239,9 +239,14 @@ TEST(Plausibility, FindsWrongUnitsOfDragInflowAndFlapping) {
   EXPECT_EQ(found([](Vehicle& v) { v.drag.linear.setConstant(0.01); }), "");
   EXPECT_THAT(found([](Vehicle& v) { v.drag.linear.setConstant(10); }),
               HasSubstr("drag_linear_N_s_per_m seems to be in mN s/m"));
-  // A wrong thrust curve is reported alone.
-  EXPECT_THAT(found([](Vehicle& v) { scale(v, &Rotor::thrust_a2, kRpm * kRpm * kRpm * kRpm); }),
-              ::testing::Not(HasSubstr("inflow")));
+  // Rotors that turn 50 times too fast are reported alone.
+  const std::string fast = found([](Vehicle& v) {
+    scale(v, &Rotor::thrust_a2, 1.0 / (50 * 50));
+    scale(v, &Rotor::torque_d2, 1.0 / (50 * 50));
+    v.motor.gain *= v.motor.law == CommandLaw::speed ? 50 : 50 * 50;
+  });
+  EXPECT_THAT(fast, HasSubstr("rotor speed at hover"));
+  EXPECT_THAT(fast, ::testing::Not(HasSubstr("over mass")));
 }
 
 TEST(Plausibility, ReportsQuantityRangeAndCause) {
